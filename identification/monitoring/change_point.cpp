@@ -44,6 +44,9 @@ constexpr int kOnsetParts = 20;  // parts of the mass of merged onsets
 // Fraction of weight that each row moves between the two filters of the model without a change.
 constexpr double kFilterShare = 0.05;
 
+/// A longer time between two scored rows, in usual steps, is a gap.
+constexpr double kGap = 1.5;
+
 }  // namespace
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
@@ -53,7 +56,8 @@ ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& opt
       draws_(baseline.draws),
       rows_per_hour_(baseline.rows_per_hour),
       last_hours_(baseline.last_hours),
-      last_ramp_hours_(baseline.last_hours) {
+      last_ramp_hours_(baseline.last_hours),
+      last_scored_hours_(baseline.last_hours) {
   std::vector<int> blocks;
   for (const BaselineDraw& draw : draws_) {
     changed_.push_back(draw.filter);
@@ -98,11 +102,14 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
   };
   bear(ShiftProfile::step, std::log1p(-options_.ramp_share), std::min(1.0, hours * rows_per_hour_),
        0.0);
+  // After a gap, the change may have occurred at any time in the gap.
+  if (hours * rows_per_hour_ > kGap) candidates_.back().first_hours = last_scored_hours_;
   // A candidate ramp stands for all rows since the last one.
   if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0) {
     const double rows = options_.ramp_every, since = row.hours - last_ramp_hours_;
     bear(ShiftProfile::ramp, std::log(options_.ramp_share), std::min(rows, since * rows_per_hour_),
          std::log(since / hours));
+    if (hours * rows_per_hour_ > kGap) candidates_.back().first_hours = last_ramp_hours_;
     last_ramp_hours_ = row.hours;
   }
   if (options_.transients_per_hour > 0.0) {
@@ -304,13 +311,17 @@ void ChangePoint::widen_for_weather(const std::vector<Weather>& weather) {
 PredictedRow ChangePoint::add(const Row& measured) {
   const double hours = measured.hours - last_hours_;
   const CovariateScaling::Scaled scaled = scaling_(measured.covariates);
-  bear_candidates(measured, hours);
   std::vector<Weather> weather;
   for (BaselineDraw& draw : draws_) weather.push_back(next_weather(scaled, hours, draw));
   widen_for_weather(weather);
   Row row = measured;
-  const bool is_scored = knows_weather();
+  const bool is_scored = knows_weather() && measured.features.array().isFinite().any();
   if (!is_scored) row.features.setConstant(kNaN);
+  // A row without data says nothing about a change: its onsets belong to the next scored row.
+  if (is_scored) {
+    bear_candidates(measured, measured.hours - last_scored_hours_);
+    last_scored_hours_ = measured.hours;
+  }
   PredictedRow out;
   const VectorXd own = score_healthy(row, hours, weather, out);
   out.is_scored = is_scored;
@@ -496,6 +507,7 @@ void ChangePoint::accept_change() {
     for (const CandidateOnset& c : *list) bank_.release(c.slot);
   candidates_.clear();
   transients_.clear();
+  last_ramp_hours_ = last_hours_;
   log_quiet_ = 0.0;
   log_no_change_ = 0.0;
 }

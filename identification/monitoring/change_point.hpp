@@ -93,7 +93,8 @@ void carry(Parcel& parcel, Of& c) {
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
   Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
-  /// False if missing covariates leave the effect of the weather unknown (ChangePoint::add).
+  /// False if the row has no features, or if missing covariates leave the effect of the weather
+  /// unknown (ChangePoint::add).
   bool is_scored = true;
 };
 
@@ -167,7 +168,7 @@ class ChangePoint {
   CandidateBank bank_;      ///< posteriors of their shifts
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double rows_per_hour_ = 1.0;
-  double last_hours_ = 0.0, last_ramp_hours_ = 0.0;
+  double last_hours_ = 0.0, last_ramp_hours_ = 0.0, last_scored_hours_ = 0.0;
   double log_no_change_ = 0.0;  ///< ln of the prior probability of no change so far
   double moved_ = 0.0;
   std::int64_t rows_ = 0;
@@ -177,7 +178,7 @@ class ChangePoint {
   friend void carry(Parcel& parcel, Of& c) {
     parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
            c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_, c.last_hours_,
-           c.last_ramp_hours_, c.log_no_change_, c.moved_, c.rows_);
+           c.last_ramp_hours_, c.last_scored_hours_, c.log_no_change_, c.moved_, c.rows_);
   }
 };
 

@@ -106,14 +106,16 @@ RowFinding Monitor::add(const Row& row) {
   RowFinding out{.hours = row.hours};
   out.predicted = change_.add(row);
   out.corrected = row.features - out.predicted.weather;
+  const bool is_scored = out.predicted.is_scored;
+  if (!is_scored && row.features.array().isFinite().any()) ++unscored_rows_;
   out.log_statistic = change_.log_statistic();
   out.probability_changed = probability_changed();
-  if (settling_left_ == 0 && out.log_statistic >= log_threshold()) {
+  if (is_scored && settling_left_ == 0 && out.log_statistic >= log_threshold()) {
     out.alarm = true;
     alarms_.push_back({.hours = row.hours, .probability_at_alarm = change_.probability_changed()});
     settling_left_ = settling_rows_ + 1;
   }
-  if (settling_left_ > 0) {
+  if (is_scored && settling_left_ > 0) {
     AlarmRecord& last = alarms_.back();
     last.change = change_.estimate();
     last.likelihood = shift_likelihood(change_.candidates(), baseline_.residual_sd);

@@ -76,10 +76,15 @@ class Monitor {
   requires std::same_as<std::remove_const_t<Of>, Monitor>
   friend void carry(Parcel& parcel, Of& m) {
     parcel(m.baseline_, m.change_, m.replay_, m.alarms_, m.log_stated_, m.is_calibrated_,
-           m.settling_left_, m.settling_rows_, m.log_unchanged_);
+           m.settling_left_, m.settling_rows_, m.unscored_rows_, m.log_unchanged_);
   }
 
+  /// Number of monitored rows with features that were not used, because their covariates were
+  /// missing.
+  [[nodiscard]] int unscored_rows() const { return unscored_rows_; }
+
  private:
+  int unscored_rows_ = 0;
   Baseline baseline_;
   ChangePoint change_;
   Replay replay_;

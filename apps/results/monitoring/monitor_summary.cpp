@@ -144,6 +144,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
       {"rows", parsed.series.rows()},
       {"time_unit", parsed.time.unit},
       {"learning_rows", parsed.learning_rows},
+      {"unscored_rows", monitor.unscored_rows()},
       {"last_time", parsed.time.written(parsed.series.hours.back())},
       {"onset_mass_moved", monitor.change().moved_mass()},
       {"baseline", baseline_json(monitor)}};
@@ -154,6 +155,10 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
         {"replayed", 1.0 / monitor.replay().rate(monitor.log_threshold_stated())}};
   }
   std::vector<std::string> warnings = parsed.warnings;
+  if (monitor.unscored_rows() > 0)
+    warnings.push_back("The features of " + std::to_string(monitor.unscored_rows()) +
+                       " monitored rows were not used, because the covariates that explain them "
+                       "are missing: no alarm is possible in these rows.");
   if (monitor.log_threshold() > monitor.log_threshold_stated())
     warnings.push_back(
         "Replayed healthy rows raise more false alarms than the model predicts: Wheeltap uses the "
