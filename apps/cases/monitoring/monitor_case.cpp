@@ -350,6 +350,12 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.most_hinges = learning.value("hinges", 3);
   options.learning.hinges = options.learning.most_hinges > 0;
   options.learning.lag = learning.value("lag", true);
+  // Short chains disagree about many correlated covariates. Longer ones take seconds for few rows.
+  constexpr long kFewEntries = 20'000;
+  if (static_cast<long>(out.learning_rows) * out.series.feature_count() <= kFewEntries) {
+    options.learning.engine_warmup = 8000;
+    options.learning.engine_draws = 3000;
+  }
 }
 
 /// Checks that the series has exactly one source of features.
