@@ -25,8 +25,8 @@ using testing::IsEmpty;
 
 constexpr double kNormal = std::numeric_limits<double>::infinity();
 
-/// Simulated tests of three modes with correlated errors.
-struct Simulated {
+/// TestSeries tests of three modes with correlated errors.
+struct TestSeries {
   VectorXd frequencies_hz = VectorXd{{10.0, 25.0, 60.0}};
   VectorXd scatter = VectorXd{{0.002, 0.004, 0.01}};
   double nu = kNormal;    ///< degrees of freedom of Student t
@@ -73,7 +73,7 @@ double robust_scale(std::vector<double> values) {
 // (S + D) / N², so that its covariance is (S + D) / (N (N - 2)).
 TEST(RepeatedTests, EqualTheConjugatePosterior) {
   const int n = 40;
-  const MatrixXd tests = Simulated{}.tests(n, 1), logs = tests.array().log();
+  const MatrixXd tests = TestSeries{}.tests(n, 1), logs = tests.array().log();
   const RepeatedTests found = infer_repeated_tests(tests, {.degrees_of_freedom = {kNormal}});
   const VectorXd mean = logs.colwise().mean();
   const MatrixXd centred = logs.rowwise() - mean.transpose();
@@ -130,7 +130,7 @@ TEST(RepeatedTests, EqualTheQuadratureOfOneMode) {
 // Intervals of 90 % of means and scatters. With 200 data sets of three correlated modes, the
 // observed share has a standard error of at most 2.1 %.
 TEST(RepeatedTests, IntervalsHaveTheirCoverage) {
-  const auto coverage = [](const Simulated& simulated, double scatter_factor, bool scatters) {
+  const auto coverage = [](const TestSeries& simulated, double scatter_factor, bool scatters) {
     int means = 0, scales = 0;
     constexpr int kSets = 200;
     for (int set = 0; set < kSets; ++set) {
@@ -156,7 +156,7 @@ TEST(RepeatedTests, IntervalsHaveTheirCoverage) {
 }
 
 TEST(RepeatedTests, OneOutlierBarelyMovesTheMean) {
-  const MatrixXd clean = Simulated{}.tests(40, 7);
+  const MatrixXd clean = TestSeries{}.tests(40, 7);
   MatrixXd gross = clean;
   gross.row(12) *= 1.5;
   const RepeatedTests before = infer_repeated_tests(clean), after = infer_repeated_tests(gross);
@@ -173,7 +173,7 @@ TEST(RepeatedTests, OneOutlierBarelyMovesTheMean) {
 }
 
 TEST(RepeatedTests, DoNotDependOnTheOrderOfTests) {
-  const MatrixXd tests = Simulated{.nu = 3.0, .missing = 0.2}.tests(25, 3);
+  const MatrixXd tests = TestSeries{.nu = 3.0, .missing = 0.2}.tests(25, 3);
   std::vector<Index> order(25);
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::shuffle(order, std::mt19937(5));
@@ -191,7 +191,7 @@ TEST(RepeatedTests, DoNotDependOnTheOrderOfTests) {
 TEST(RepeatedTests, FourTimesTheTestsHalveTheError) {
   double ratio = 0.0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const Simulated simulated;
+    const TestSeries simulated;
     const RepeatedTests few = infer_repeated_tests(simulated.tests(40, seed)),
                         many = infer_repeated_tests(simulated.tests(160, seed));
     for (Index j = 0; j < 3; ++j)
@@ -234,7 +234,7 @@ TEST(RepeatedTests, UseTheCorrelationForMissingFrequencies) {
 TEST(RepeatedTests, SerialCorrelationWidensTheError) {
   int covered = 0, independent = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    const Simulated simulated{.serial = 0.8};
+    const TestSeries simulated{.serial = 0.8};
     const RepeatedTests found =
         infer_repeated_tests(simulated.tests(60, seed), {.warmup = 100, .draws = 300});
     for (std::size_t j = 0; j < 3; ++j) {
@@ -249,7 +249,7 @@ TEST(RepeatedTests, SerialCorrelationWidensTheError) {
 }
 
 TEST(RepeatedTests, KeepTheNumberOfAModeThatNoTestIdentified) {
-  MatrixXd tests = Simulated{}.tests(12, 2);
+  MatrixXd tests = TestSeries{}.tests(12, 2);
   tests.col(1).setConstant(kNaN);
   const RepeatedTests found = infer_repeated_tests(tests);
   EXPECT_THAT(found.identified, ElementsAre(12, 0, 12));
@@ -278,7 +278,7 @@ TEST(RepeatedTests, RejectInvalidTests) {
     }
     return "";
   };
-  const MatrixXd tests = Simulated{}.tests(6, 1);
+  const MatrixXd tests = TestSeries{}.tests(6, 1);
   EXPECT_EQ(complaint(tests), "");
   EXPECT_THAT(complaint(tests.topRows(3)), HasSubstr("mode 1 was identified in 3 tests"));
   MatrixXd changed = tests;
