@@ -279,7 +279,13 @@ std::vector<Index> identified_modes(const MatrixXd& frequencies_hz, std::vector<
           mode + " was identified in " + std::to_string(count) + (count == 1 ? " test" : " tests") +
           ": the scatter between tests needs at least " + std::to_string(kLeastTests) +
           "; add tests, or write null for this mode in all tests");
-    if (low == high)
+    if (count < kLeastShare * static_cast<double>(frequencies_hz.rows()))
+      throw std::invalid_argument(
+          mode + " was identified in " + std::to_string(count) + " of " +
+          std::to_string(frequencies_hz.rows()) +
+          " tests: the inference needs at least one test in twenty; write null for this mode in "
+          "all tests, or leave out tests without it");
+    if (!(std::log(low) < std::log(high)))
       throw std::invalid_argument(
           mode +
           " has the same frequency in all tests, so that its scatter cannot be inferred; "

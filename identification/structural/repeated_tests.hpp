@@ -33,6 +33,9 @@ struct RepeatedTestsOptions {
 
 /// Fewest tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
+/// Smallest share of the tests that must identify a mode. With a smaller share, the draws of the
+/// missing frequencies are so strongly correlated that the sampler does not converge.
+inline constexpr double kLeastShare = 0.05;
 /// A test with a smaller posterior mean weight is a probable outlier.
 inline constexpr double kOutlierWeight = 0.25;
 
@@ -71,7 +74,8 @@ inline constexpr double kSerialLevel = 2.0;
 /// \param frequencies_hz tests × modes, > 0; NaN: not identified
 /// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
 /// tests. Throws std::invalid_argument, with the mode, if a frequency is not positive, if fewer
-/// than kLeastTests tests identified a mode (unless no test did), or if all frequencies of a mode
+/// than kLeastTests tests, or than the share kLeastShare of the tests, identified a mode (unless no
+/// test did), or if all frequencies of a mode
 /// are equal.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});

@@ -287,6 +287,9 @@ TEST(RepeatedTests, RejectInvalidTests) {
   changed = tests;
   changed.col(2).setConstant(60.0);
   EXPECT_THAT(complaint(changed), HasSubstr("mode 3 has the same frequency in all tests"));
+  MatrixXd rare = TestSeries{}.tests(200, 1);
+  rare.col(1).tail(195).setConstant(kNaN);
+  EXPECT_THAT(complaint(rare), HasSubstr("mode 2 was identified in 5 of 200 tests"));
   changed.setConstant(kNaN);
   EXPECT_THAT(complaint(changed), HasSubstr("no test identified a mode"));
   // Rounded frequencies: most of them are equal.
