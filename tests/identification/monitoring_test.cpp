@@ -349,6 +349,8 @@ TEST(ChangePoint, SpreadsMergedOnsetsOverTheirTimes) {
     longest = std::max(longest, c.last_hours - c.first_hours);
   EXPECT_GT(longest, 50.0);
   const ChangeEstimate found = change.estimate();
+  // The limits lie between the kept onsets.
+  for (const CandidateOnset& c : change.candidates()) EXPECT_NE(found.onset_low, c.hours);
   EXPECT_LT(found.onset_low, rows[100].hours);
   EXPECT_GT(found.onset_high, rows[100].hours);
 }
