@@ -100,6 +100,7 @@ test('from a raw record to chosen poles, modes.json and a damage case', skip, as
   await page.locator('figure', { hasText: 'floor 2' }).first().waitFor();
   await shot(page, 'record');
   // Zoom by dragging: the window is drawn with each of its samples at last.
+  await page.locator('.strips svg').first().scrollIntoViewIfNeeded();
   const strip = await page.locator('.strips svg').first().boundingBox();
   for (let i = 0; i < 6 && !/each drawn/.test(await page.textContent('.status')); i += 1) {
     const before = await page.textContent('.status');
