@@ -363,11 +363,29 @@ TEST(ChangePoint, RowsAtShortStepsCountForLess) {
   ChangePoint usual(small_baseline(), options), rare(baseline, options);
   Row row = small_rows(1, 1000, 0.0, 24)[0];
   row.hours = 1.0;
-  row.features.setConstant(kNaN);
   usual.add(row);
   rare.add(row);
-  EXPECT_NEAR(usual.log_statistic(), 0.0, 1e-12);
-  EXPECT_NEAR(rare.log_statistic(), std::log(0.1), 1e-12);
+  EXPECT_NEAR(rare.log_statistic() - usual.log_statistic(), std::log(0.1), 1e-12);
+}
+
+// Fault: every row without data added an onset to the statistic, so that an outage raised an alarm.
+TEST(ChangePoint, RowsWithoutDataDoNotChangeTheStatistic) {
+  const ChangePointOptions options{.transients_per_hour = 0.0, .ramp_share = 0.0, .young = 0};
+  ChangePoint change(small_baseline(), options);
+  std::vector<Row> rows = small_rows(60, 1000, 0.0, 24);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(change.add(rows[index(i)]).is_scored);
+  const double before = change.log_statistic(), probability = change.probability_changed();
+  for (int i = 5; i < 55; ++i) {
+    rows[index(i)].features.setConstant(kNaN);
+    EXPECT_FALSE(change.add(rows[index(i)]).is_scored);
+  }
+  EXPECT_DOUBLE_EQ(change.log_statistic(), before);
+  EXPECT_DOUBLE_EQ(change.probability_changed(), probability);
+  // The onset of the next scored row lies anywhere in the gap.
+  change.add(rows[55]);
+  const CandidateOnset last = change.candidates().back();
+  EXPECT_DOUBLE_EQ(last.first_hours, rows[4].hours);
+  EXPECT_DOUBLE_EQ(last.last_hours, rows[55].hours);
 }
 
 // Fault: a glitch fixed the coefficient of unseen weather; later frost then looked like a change.
