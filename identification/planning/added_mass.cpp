@@ -4,9 +4,13 @@
 #include <stdexcept>
 
 #include "base/index.hpp"
+#include "base/number.hpp"
 #include "fem/structures/mesh.hpp"
 
 namespace wheeltap::identification::planning {
+
+/// Largest distance of a mass from the end of an element, in elements.
+constexpr double kAtAnEnd = 1e-6;
 
 AnyStructure with_mass_at_node(const AnyStructure& structure, int node, double mass) {
   AnyStructure out = structure;
@@ -34,7 +38,15 @@ AnyStructure with_mass_on_beam(const fem::Structure& beam, double x, double mass
       continue;
     }
     fem::Member& first = out.members[m];
-    const int before = static_cast<int>(std::lround(left / frame.length * first.elements));
+    const double elements = left / frame.length * first.elements;
+    const int before = static_cast<int>(std::lround(elements));
+    if (std::abs(elements - before) > kAtAnEnd) {
+      const double size = frame.length / first.elements,
+                   low = x - left + std::floor(elements) * size;
+      throw std::invalid_argument("must be at an end of an element: the nearest ends are at " +
+                                  base::significant(low, 6) + " and " +
+                                  base::significant(low + size, 6) + " m");
+    }
     if (before == 0 || before == first.elements) {
       out.masses.push_back({.node = first.nodes[before == 0 ? 0 : 1], .mass = mass});
       return out;

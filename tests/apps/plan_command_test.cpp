@@ -155,6 +155,8 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
   expect_refused(with("/plan/sensors/0", {{"at", 1.5}}), "/plan/sensors/0/at: 1.5");
   expect_refused(with("/plan/sensors/0", {{"every", 2}}), "/plan/sensors/0/every: 2");
   expect_refused(with("/plan/masses/0", {{"at", 3}, {"mass", 1}}), "/plan/masses/0");
+  expect_refused(with("/plan/masses/0", {{"at", 0.31}, {"mass", 1}}), "/plan/masses/0/at");
+  expect_refused(with("/plan/masses/0", {{"at", 0.5}, {"mass", 1e13}}), "/plan/masses/0/mass");
   expect_refused(with("/plan/layouts", json::parse("[[0, 99]]")), "/plan/layouts/0/1: 99");
   expect_refused(with("/damage/count/max", 3), "/damage/count");
   expect_refused(with("/damage/count/min", 1), "/damage/count");

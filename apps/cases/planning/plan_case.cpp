@@ -12,6 +12,7 @@
 #include "base/number.hpp"
 #include "fem/structures/mesh.hpp"
 #include "identification/planning/added_mass.hpp"
+#include "identification/structural/forward/assembled_model.hpp"
 
 namespace wheeltap::apps {
 
@@ -179,16 +180,25 @@ void take_masses(const CaseFile& file, const AnyStructure& structure, PlanCaseFi
   if (!file.json.at("plan").contains("masses")) return;
   const Json& list = file.json.at(plan_key("masses"));
   const bool beam = file.json.contains("beam");
+  const int rigid = out.plan.damage_case.rigid_body_modes;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Pointer at = plan_key("masses") / i;
     const double mass = list[i].at("mass").get<double>();
     const auto add = [&](std::string where, const auto& make) {
       try {
+        AnyStructure made = make();
+        try {
+          static_cast<void>(AssembledModel(made, out.plan.damage_case.kinds,
+                                           rigid + out.plan.structure.modes, rigid));
+        } catch (const fem::InvalidStructure& error) {
+          file.refuse(at / "mass",
+                      std::string("with this mass, the structure has no modes: ") + error.what());
+        }
         out.plan.structure.masses.push_back(
             {.name = base::significant(mass, 4) + " kg at " + std::move(where),
-             .structure = make()});
+             .structure = std::move(made)});
       } catch (const std::invalid_argument& error) {
-        file.refuse(at, error.what());
+        file.refuse(beam ? at / "at" : at, error.what());
       }
     };
     if (beam) {
