@@ -84,8 +84,8 @@ class DoubleDouble {
     const double s = a + b;
     return {s, b - (s - a)};
   }
-  /// Computes the product a b exactly, by a fused multiply-add or from halves of 26 bits. Both
-  /// methods give the same bits.
+  /// Computes the product a b exactly, by a fused multiply-add or from halves of 26 bits. The
+  /// results of both methods are bitwise equal.
   static DoubleDouble product(double a, double b) {
     const double p = a * b;
 #ifdef __FMA__

@@ -1,4 +1,4 @@
-// Reading the bytes of files. These functions open every user file that Wheeltap reads completely.
+// Reading the bytes of files. Wheeltap uses these functions wherever it reads a whole user file.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::io {
 
-/// Largest size of a file that Wheeltap reads completely [bytes].
+/// Largest file that Wheeltap reads into memory as a whole [bytes].
 constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 
 /// Reads the whole file. Throws FileError: missing if the file does not exist, cannot be read, or

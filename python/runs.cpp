@@ -70,7 +70,7 @@ inference::Posterior JobWatch::sample(const inference::Problem& problem,
   for (const auto& chain : posterior.chains) shortest = std::min(shortest, chain.size());
   constexpr std::size_t kFewest = 100;
   if (shortest < kFewest)
-    throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report");
+    throw Failure(Exit::interrupted, "stopped before the first results: nothing to report");
   for (auto& chain : posterior.chains) chain.truncate(shortest);
   posterior.draws = static_cast<int>(shortest);
   return posterior;

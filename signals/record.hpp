@@ -67,8 +67,8 @@ struct Sampling {
 };
 
 /// Determines the sampling from a time column. `scale` [s] gives the duration of one unit of the
-/// column. Without `scale`, the unit is that of the column's header or name, or a unit that follows
-/// from the values (see Sampling::Basis), otherwise seconds. Every time step must equal the mean
+/// column. Without `scale`, the unit comes from the column's header or name, otherwise from the
+/// values (see Sampling::Basis); the default is seconds. Every time step must equal the mean
 /// time step within 1 % and the printed precision. Throws io::FileError (corrupt), with the line
 /// number, for NaN, decreasing times, gaps and uneven steps. Also throws io::FileError for an
 /// unknown time unit, and if `stated` differs from the rate of the time column by more than 0.1 %.

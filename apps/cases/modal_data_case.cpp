@@ -396,7 +396,8 @@ class ModalDataParser {
     }
     if (!there.empty())
       file_.refuse(at / "direction", "unknown direction: " + place + " has " + listed(there));
-    file_.refuse(at / "node", "no degree of freedom has this place" + did_you_mean(place, places));
+    file_.refuse(at / "node",
+                 "no degree of freedom belongs to this node" + did_you_mean(place, places));
   }
 
   template <class List>

@@ -35,7 +35,7 @@ struct Command {
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of case that it runs; empty: none
-  /// Key that cases of this kind need for this command; empty: it runs all other cases
+  /// This command runs the cases with this key; empty: it runs the other cases of its kind
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the kind is not sampled
   MakeCaseRun make_run = {};

@@ -265,7 +265,7 @@ Command data_command() {
                    "FILE", data->file,
                    "measured file: delimited text, MATLAB, Excel, universal file or another format")
                 ->required();
-            app.add_option("-o,--output", data->page, "HTML file into which the record is plotted")
+            app.add_option("-o,--output", data->page, "HTML file for the plots of the record")
                 ->type_name("FILE.html");
             app.add_option("--to", data->to,
                            "format of the converted file (csv, nc or uff), or its name with one of "

@@ -30,9 +30,8 @@ Command modes_command() {
             app.add_flag("--truth", modes->truth, "include the damages of the key damage.truth");
             app.add_flag("--json", modes->json, "print the modes as JSON");
             app.add_flag("--shapes", modes->shapes, "also print the mode shapes; needs --json");
-            app.add_option(
-                "--vtk", modes->vtk,
-                "VTK file to write with the structure and its mode shapes, for ParaView");
+            app.add_option("--vtk", modes->vtk,
+                           "VTK file for the structure and its mode shapes, to open in ParaView");
           },
       .run = [modes](const Invocation& asked) { run_modes(asked.common, *modes); }};
 }

@@ -308,7 +308,7 @@ Command section_command() {
                 options.add_case();
                 CLI::App& app = options.app();
                 app.add_option("-o,--output", options.invocation().common.output,
-                               "file into which the section is drawn")
+                               "file for the drawing of the section")
                     ->type_name("FILE.svg|FILE.html");
                 app.add_option("--name", section->name,
                                "name of the section, for a structure with several sections");

@@ -21,7 +21,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 [[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
                                           const identification::Unknown& unknown);
 
-/// Returns models, numbers of defects, parameters and the slots of defects, as in posterior.nc.
+/// Returns the columns of posterior.nc: models, numbers of defects, and parameters.
 [[nodiscard]] std::vector<DrawColumn> damage_columns(const identification::DamageProblem& problem,
                                                      const inference::Posterior& posterior);
 

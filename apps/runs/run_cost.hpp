@@ -28,7 +28,7 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
                         const CommonOptions& common);
 
 /// Throws io::FileError (unwritable) if the existing results folder has too little free space,
-/// unless --max-disk is given. The files of a checkpoint count as free space.
+/// unless --max-disk is given. The space of a checkpoint's files counts as free.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
 /// Returns the time for measuring the run time of a likelihood: 0.5 s with --dry-run, otherwise 0.1

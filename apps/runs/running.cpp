@@ -143,7 +143,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     cut_to_shortest(posterior);
     require_same_on_all_ranks("draws", fingerprint_of(posterior));
     if (posterior.draws < 100) {
-      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report" +
+      throw Failure(Exit::interrupted, "stopped before the first results: nothing to report" +
                                            std::string(checkpoint.kept() ? kHowToResume : ""));
     }
     return posterior;

@@ -188,7 +188,7 @@ class PacedRungeKutta {
     Rates k2, k3, k4;
     V drive[M];
 
-    // k2, in the middle after half a step of k1
+    // k2, at the middle of the step: half a step with the rates k1
     go(x, half, x.v, k1, stage);
     drive_at(begin + 0.5 * part, now, next, drive);
     rates(stage, drive, k2);
@@ -196,13 +196,13 @@ class PacedRungeKutta {
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) speed2[i] = stage.v[i];
 
-    // k3, in the middle after half a step of k2
+    // k3, at the middle of the step: half a step with the rates k2
     go(x, half, speed2, k2, stage);
     rates(stage, drive, k3);
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) speed3[i] = stage.v[i];
 
-    // k4, at the end after a step of k3
+    // k4, at the end of the step: a full step with the rates k3
     go(x, h, speed3, k3, stage);
     drive_at(begin + part, now, next, drive);
     rates(stage, drive, k4);

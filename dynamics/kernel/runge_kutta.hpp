@@ -120,7 +120,7 @@ class RungeKutta {
         a2[i] = drive[i] + motion_.inverse_mass(i) * pull[i];
       }
 
-      // k3, in the middle after half a step of k2
+      // k3, at the middle of the step: half a step with the rates k2
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) known[i] = v[i] + h * drive[i];
       motion_.forces(yi, vn, nullptr, pull, nullptr);
@@ -131,7 +131,7 @@ class RungeKutta {
         a3[i] = drive[i] + motion_.inverse_mass(i) * pull[i];
       }
 
-      // k4, at the end after a step of k3; then 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4
+      // k4, at the end: a full step with the rates k3; then 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive[i] += slope[i];

@@ -12,7 +12,7 @@ struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",
       .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
-      .description = "a spring on one side only, e.g. a crack that bears when it closes",
+      .description = "a spring on one side only, e.g. a crack that transmits force if closed",
       .notes =
           "The link's own `stiffness` acts on both sides; the stiffness of this law is added "
           "on one side. A negative value makes the spring softer on that side.",

@@ -46,8 +46,8 @@ struct MarginalLikelihood {
                                                      const ProcessRatios& process,
                                                      const RegressionPrior& prior);
 
-/// The training rows of all features, prepared for many evaluations. The features are the lanes of
-/// vector instructions (kernels/evidence_kernel.hpp).
+/// The training rows of all features, prepared for many evaluations. Each lane of a vector
+/// instruction computes one feature (kernels/evidence_kernel.hpp).
 class EvidenceData {
  public:
   /// `hours`: times of all rows.

@@ -77,7 +77,7 @@ struct PlanFindings {
   std::optional<ValueFindings> value;
 };
 
-/// Fewest simulated tests of a design that is compared with the recommended one.
+/// Smallest number of simulated tests of a design that is compared with the recommended one.
 inline constexpr int kFewestVariationTests = 1000;
 /// Number of simulated tests for each variation of the recommended design.
 [[nodiscard]] constexpr int variation_tests(int scenarios) {

@@ -31,7 +31,7 @@ struct RepeatedTestsOptions {
   std::uint64_t seed = 1;
 };
 
-/// Fewest tests in which a mode must be identified.
+/// Smallest number of tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
 /// Smallest share of the tests that must identify a mode. With a smaller share, the draws of the
 /// missing frequencies are so strongly correlated that the sampler does not converge.

@@ -44,7 +44,7 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     const int kind = static_cast<int>(j);
     if (options.moves.birth_death) {
-      // Without an atlas, births from the prior replace informed births, and relocations from the
+      // Without a table, births from the prior replace informed births, and relocations from the
       // prior are rarely accepted.
       add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.9) / kinds, "birth and death",
                            kind, std::make_unique<PriorProposal>(), pilot);

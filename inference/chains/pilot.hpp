@@ -16,8 +16,8 @@
 
 namespace wheeltap::inference {
 
-/// Effects of single components, one atlas per kind (null for a kind without atlas). Atlases are
-/// computed once and shared by all chains.
+/// Tables of the effects of single components, one per kind (null for a kind without a table). The
+/// tables are computed once and shared by all chains.
 using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 [[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
                                    long& evaluations);

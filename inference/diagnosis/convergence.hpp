@@ -47,7 +47,7 @@ struct ConvergenceLimits {
   /// draws minus the share of the chains' draws, times the probability of the model.
   /// `annealed_draws_an_effective` is the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
-  /// Fewest draws per chain within a model for which R-hat is judged
+  /// Smallest number of draws per chain within a model for the assessment of R-hat
   std::size_t fewest_draws = 100;
   std::size_t fewest_for_ess = 400;
   long round_trips = 10;  ///< required round trips of replicas on the ladder used for the draws

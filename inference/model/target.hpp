@@ -50,9 +50,9 @@ class Likelihood {
   /// an error that names the model and the parameters. x has the layout of Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
-  /// ln p(data | model, x) if only values of at least `floor` are needed. For a smaller value, the
-  /// likelihood may return -∞ as soon as it detects this (early rejection: Solonen et al. 2012,
-  /// section 2).
+  /// Like log_likelihood, but the caller needs only values of at least `floor`. For a smaller
+  /// value, the likelihood may return -∞ as soon as it detects this (early rejection: Solonen et
+  /// al. 2012, section 2).
   virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
     return log_likelihood(model, x);
   }
@@ -78,8 +78,8 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
-  /// Evaluates several parameter vectors if only values of at least floors[i] are needed for vector
-  /// i.
+  /// Evaluates several parameter vectors with early rejection: for vector i, the caller needs only
+  /// values of at least floors[i].
   virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
                                      std::span<const double> xs, std::span<double> out) {
     log_likelihoods(model, xs, out);

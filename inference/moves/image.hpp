@@ -21,13 +21,13 @@ struct Symmetry {
 
 /// Chooses one symmetry uniformly. If `whole` is true, the symmetry is applied to every component
 /// concerned (the image of the state), otherwise to one component chosen uniformly. The list must
-/// contain the inverse of each symmetry, so that the reverse move has the same probability. With
-/// respect to dz then
+/// contain the inverse of each symmetry, so that the reverse move has the same probability. In the
+/// coordinates z, the ratio is the absolute Jacobian determinant of the map:
 ///
 ///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
 ///
-/// over the moved coordinates, from |dz/dx| = p(x) / φ(z). No proposal is made if the image is
-/// outside the prior's support.
+/// The sum is over the moved coordinates, and |dz/dx| = p(x) / φ(z). No proposal is made if the
+/// image is outside the prior's support.
 class Image : public Move {
  public:
   Image(std::vector<Symmetry> symmetries, bool whole)

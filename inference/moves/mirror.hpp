@@ -5,8 +5,8 @@
 
 namespace wheeltap::inference {
 
-/// The image under a reflection x → 2 c - x about the centre c, of one parameter of some kinds'
-/// components. The reflection is its own inverse.
+/// MCMC move to the image of a state under a reflection x → 2 c - x about a centre c. A reflection
+/// acts on one parameter of one kind of component, and it is its own inverse.
 class Mirror : public Image {
  public:
   Mirror(const std::vector<Reflection>& reflections, bool whole)

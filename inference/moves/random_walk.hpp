@@ -11,8 +11,8 @@ namespace wheeltap::inference {
 
 /// z' = z + f S u with u ~ N(0, I) on a block of the coordinates, chosen uniformly: the model's own
 /// parameters, the parameters of one component, or all parameters. The proposal is symmetric, so
-/// the ratio is 1. The factor f is 1 in most steps and 0.1 or 4 in the others, independent of the
-/// state, for narrow and wide posterior modes.
+/// the ratio is 1. The factor f does not depend on the state: it is 1 in most steps, 0.1 in some
+/// steps (for narrow posterior modes), and 4 in the other steps (for wide posterior modes).
 ///
 /// S (lower triangular, one per block and model) adapts in warm-up by robust adaptive Metropolis
 /// (Vihola 2012, algorithm RAM), towards an acceptance of 0.44 in one dimension and 0.234 in many:

@@ -436,7 +436,7 @@ def a_stop_is_heard_before_anything_is_possible(runs, _):
     path.chmod(0o755)
     done, out = runs.run(outside({"command": "./bad {in} {out}"}), "--allow-commands")
     assert done.returncode == 130, (done.returncode, done.stderr)
-    assert done.stderr.startswith("wheeltap: stopped before anything was found"), done.stderr
+    assert done.stderr.startswith("wheeltap: stopped before the first results"), done.stderr
     assert not list(out.glob("*.part*")), list(out.iterdir())
 
 

@@ -145,7 +145,8 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
     c[json::json_pointer(where_in_case)] = value;
     return c;
   };
-  expect_refused(with("/plan/choose", 1), "/plan/choose: 1: one sensor measures no shape");
+  expect_refused(with("/plan/choose", 1),
+                 "/plan/choose: 1: one sensor cannot measure a mode shape");
   expect_refused(with("/plan/choose", 12), "/plan/choose: 12: must be at most");
   expect_refused(with("/plan/band", json::array({5, 2})), "/plan/band");
   expect_refused(with("/plan/band", json::array({1, 2})),

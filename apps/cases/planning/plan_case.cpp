@@ -307,8 +307,8 @@ void check_tolerance(const CaseFile& file, const PlanCase& plan) {
                 "must be at most the number of candidate sensors, " + std::to_string(candidates));
   if (plan.choose == 1)
     file.refuse(plan_key("choose"),
-                "one sensor measures no shape, since shapes have no scale: choose 0 (frequencies "
-                "alone) or at least 2");
+                "one sensor cannot measure a mode shape, because shapes have no scale: choose 0 "
+                "(frequencies alone) or at least 2");
 }
 
 }  // namespace

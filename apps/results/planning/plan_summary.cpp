@@ -331,8 +331,8 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   out["title"] = parsed.parsed.damage.title + ": the planned test";
   out["notes"] = {
       "Written by wheeltap plan: the recommended sensors and the uncertainty of their data.",
-      "The truth simulates a test. After the test, delete \"truth\", and replace the "
-      "keys of data by \"from\": \"modes.json\" and \"sensors\"."};
+      "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\", and "
+      "replace the keys of data by \"from\": \"modes.json\" and \"sensors\"."};
   Report data = {{"cov", compact(cov)}};
   Report truth = {{"defects", Report::array({defect})}, {"cov", compact(cov)}, {"modes", modes}};
   if (best.design.sensors.size() >= 2) {

@@ -42,7 +42,7 @@ struct ChartKind {
 /// The charts, in the order of the list above.
 [[nodiscard]] const std::vector<ChartKind>& chart_kinds();
 
-/// Fewest rows for a running median of the statistic (ChartKind::median_rows).
+/// Smallest number of rows for a running median of the statistic (ChartKind::median_rows).
 inline constexpr int kFewestRowsForMedian = 200;
 
 /// An alarm ends after this many rows below the threshold.

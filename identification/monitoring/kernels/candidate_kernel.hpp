@@ -79,7 +79,7 @@ struct CandidateKernel {
   double (*score)(const CandidateTiles& tiles, const Entry& entry);
   /// Conditions shifts on the entry that was scored last; `inflated`: variance of the update.
   void (*update)(const CandidateTiles& tiles, const Entry& entry, double inflated);
-  /// Updates sensitivities by the gains (states x `entries`, one entry after the other).
+  /// Updates the sensitivities with the gains of the entries (states x `entries`, entry by entry).
   void (*finish)(const CandidateTiles& tiles, int entries, double degrees, const double* gains);
   /// Multiplies the weights by exp(log ratio + offset - reference); `reference`: tiles x kTile.
   void (*weigh)(const CandidateTiles& tiles, double offset, const double* reference);

@@ -25,7 +25,7 @@ class BasisModel final : public ForwardModel {
   std::shared_ptr<const fem::ParametricModes> basis_;
 };
 
-/// Frequencies by an external program or server, or by its emulator with the error variance.
+/// Frequencies from an external program or server, or from an emulator of it with error variances.
 /// Outside the emulator's box, the prediction fails: the box truncates the priors. The external
 /// model is not run there, because searches for posterior modes leave the box often.
 class OutsideModes final : public ForwardModel {

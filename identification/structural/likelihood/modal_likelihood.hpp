@@ -56,8 +56,8 @@ struct ModalNoise {
 /// close and similar.
 ///
 /// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
-/// computed mode by `mixing_sd`. It replaces the rotation of close modes, whose τ is added to the τ
-/// of the closest mode.
+/// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the standard
+/// deviation for the closest mode is the root of the sum of squares of `mixing_sd` and τ.
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and

@@ -50,7 +50,7 @@ class BirthDeath : public Move {
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c follows from the atlas (InformedProposal). This residual is computed from
+/// The residual without c follows from the table (InformedProposal). This residual is computed from
 /// the current state for the forward density, and from the proposed state for the reverse density.
 /// Each density therefore depends on one state only.
 class Relocation : public Move {

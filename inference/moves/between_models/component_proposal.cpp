@@ -113,7 +113,7 @@ void InformedProposal::condition(const State& context, int kind, int skip, doubl
   flat_ = context.residuals.size() != static_cast<std::size_t>(residual_.size()) ||
           !std::isfinite(context.log_screen) || beta <= 0.0;
   if (flat_) return;
-  // Residuals are in units of the atlas's noise, but beta refers to the noise of the state.
+  // Residuals are in units of the table's noise, but beta refers to the noise of the state.
   const double scale = context.noise_scale / atlas_->noise_scale;
   for (Eigen::Index i = 0; i < residual_.size(); ++i) {
     residual_[i] = static_cast<float>(context.residuals[static_cast<std::size_t>(i)] * scale);

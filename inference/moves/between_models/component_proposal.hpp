@@ -58,15 +58,15 @@ struct EffectAtlas {
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
 
-/// Computes the atlas of `kind`. Null if the likelihood gives no residuals, or if no two models
+/// Computes the table of `kind`. Null if the likelihood gives no residuals, or if no two models
 /// with zero and one component of this kind have the same counts of the other kinds.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
-/// Informed birth. With residual r of the state, adding a component at cell c leaves about r + D_c,
-/// so
+/// Informed birth. If r is the residual of the state, a new component in cell c changes it to about
+/// r + D_c. The move chooses one of the N cells with the probability
 ///
-///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),     uniform within the cell in prior
-///   probability.
+///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),
+/// and draws the parameters of the component from the prior within this cell.
 ///
 /// Because of the term with ε, every location can be proposed. To leave out one component of the
 /// state, its effect is first subtracted from the residual.

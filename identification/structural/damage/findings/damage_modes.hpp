@@ -12,8 +12,8 @@
 
 namespace wheeltap::identification {
 
-/// Accumulates MACs and the posterior without each mode from draws that are passed one by one. The
-/// object refers to the problem.
+/// Accumulates MACs, and the effect of omitting each measured mode, from draws that are passed one
+/// by one. The object refers to the problem.
 class SingleModes {
  public:
   explicit SingleModes(const DamageProblem& problem);
