@@ -103,8 +103,8 @@ struct SimulatorOptions {
   /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are
   /// 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
-  /// Factor set by Simulator::refined. With this factor, the simulator makes at least `refinement`
-  /// times as many steps as with a step limit that is `refinement` times as large.
+  /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
+  /// steps as before the refinement, when the step limit was `refinement` times as large.
   int refinement = 1;
   /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws;
   /// empty: 0.

@@ -111,7 +111,7 @@ void Simulator::Impl::check() {
   if (!(options.displacement_bound > 0.0))
     fail("displacement bound = " + std::to_string(options.displacement_bound) + ", must be > 0");
   if (!options.extension.empty() && options.extension.size() != chain.links.size())
-    fail(std::to_string(options.extension.size()) + " extensions, must be one a link (" +
+    fail(std::to_string(options.extension.size()) + " extensions, must be one per link (" +
          std::to_string(chain.links.size()) + ")");
   if (options.integrator == Integrator::exact && !chain.is_linear())
     fail("the exact solution is for chains without nonlinear laws");
@@ -164,7 +164,7 @@ void Simulator::Impl::check() {
   }
   for (const auto* state : {&initial.displacement, &initial.velocity})
     if (!state->empty() && static_cast<int>(state->size()) != n)
-      fail(std::to_string(state->size()) + " initial values, must be one a mass (" +
+      fail(std::to_string(state->size()) + " initial values, must be one per mass (" +
            std::to_string(n) + ")");
 }
 

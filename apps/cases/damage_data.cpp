@@ -90,7 +90,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
       file.refuse(where / "discrepancy" / "shape", "is allowed with \"shapes\" only");
     if (d["discrepancy"].contains("mixing"))
       file.refuse(where / "discrepancy" / "mixing",
-                  "is allowed with \"shapes\", or with a baseline");
+                  "is allowed with \"shapes\" or a baseline only");
     if (!d["discrepancy"].contains("cov"))
       file.refuse(where / "discrepancy" / "cov", "is missing: a coefficient of variation");
     data.discrepancy_cv = d["discrepancy"]["cov"].get<double>();

@@ -219,7 +219,7 @@ std::vector<fs::path> write_starter(const std::string& kind, const std::string& 
     std::string list;
     for (const auto& name : kinds) list += (list.empty() ? "" : ", ") + name;
     const std::string meant = nearest(kind, kinds);
-    throw Failure(Exit::usage, "no starter case of the name \"" + kind + "\"" +
+    throw Failure(Exit::usage, "no starter case with the name \"" + kind + "\"" +
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }

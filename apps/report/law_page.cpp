@@ -131,8 +131,8 @@ Example: a link with dry friction and a stop after a gap of unknown width:
  "contact": {"stiffness": "kc", "gap": "g", "side": "opening"}}
 ```
 
-with `"F": {"uniform": [0, 20]}`, `"kc": {"log_uniform": [1e3, 1e6]}` and `"g": {"uniform": [0, 0.01]}` beside k and c
-under `parameters`. For the examples below, add the program to the search path of the shell:
+The priors under `parameters` are then those of k and c, and `"F": {"uniform": [0, 20]}`, `"kc": {"log_uniform":
+[1e3, 1e6]}` and `"g": {"uniform": [0, 0.01]}`. For the examples below, add the program to the search path of the shell:
 
 ```sh
 export PATH="$PWD/build/release/apps:$PATH"

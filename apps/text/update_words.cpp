@@ -228,7 +228,7 @@ std::string numbering_sentence(const UpdateFindings& findings) {
     if (measured) ++i;
   }
   return "The numbering of the modes is doubtful. Without shapes, Wheeltap assigns each measured "
-         "mode to the model's mode of its number (" +
+         "mode to the model's mode with the same number (" +
          name_modes(n.measured) + "): " + probability_is(n.probability) +
          " under the priors. The model's " + name_modes(n.likeliest.modes) + " have " +
          probability_is(n.likeliest.probability) +

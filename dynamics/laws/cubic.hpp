@@ -14,7 +14,7 @@ struct Cubic {
       .formula = "T = k3 e^3",
       .description = "a Duffing spring: k3 > 0 hardens, k3 < 0 softens",
       .notes =
-          "With a negative `stiffness` beside it the link has two wells, at "
+          "If the link also has a negative `stiffness` k, its potential has two wells, at "
           "e = ±sqrt(-k/k3).",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^3",

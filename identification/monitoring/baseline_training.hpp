@@ -23,7 +23,7 @@ struct TrainingRows {
   Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
-  /// Per feature: prior sd of slopes in noise sds, at least three times the feature's own sd.
+  /// Per feature: prior sd of slopes, relative to the noise sd; at least three sds of the feature.
   std::vector<double> slope_scale = {};
   std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights

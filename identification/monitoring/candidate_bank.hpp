@@ -55,13 +55,13 @@ class CandidateBank {
     double degrees;                    ///< of Student's t; kGaussian
     const std::vector<char>& present;  ///< p
     std::span<const double> profile;   ///< r(t - τ) of each slot
-    std::span<const double> log_mass;  ///< ln of the mass of each slot; kExcluded: does not vote
+    std::span<const double> log_mass;  ///< ln of the mass of each slot; kExcluded: not counted
   };
   void begin(int draw, const RowStart& row);
   /// Adds the densities of an entry of feature j, whose innovation without a shift is v, of
   /// variance s. Returns the inflation of noise on which the candidates agree: the mean over the
   /// inflations of their most probable hypotheses, weighted by their mass. Returns 0 if no
-  /// candidate votes.
+  /// candidate counts.
   double score(int j, double v, double s);
   /// Conditions every δ on the entry that was scored last; `gain`: of the state.
   void update(double inflated, const Eigen::VectorXd& gain);

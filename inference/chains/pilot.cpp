@@ -302,7 +302,7 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
     add_move<RegionalWalk>(*kernels, tuning ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
-  // Without an atlas, only births from the prior or the pilot change the count: more such steps.
+  // Without tables, only births from the prior or the pilot change the count: more such steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
   add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,
                       options.moves.independence ? pilot.fit : nullptr);

@@ -24,8 +24,8 @@ struct Verdict {
   /// Resolution of the mode search: a share of the prior. If the basin of attraction of a posterior
   /// mode holds a smaller share of the prior, all local optimisations miss the mode with a
   /// probability above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest
-  /// over the models, and 1 without a search. In a long list of models, those below
-  /// kLimits.searched_model that were searched by local optimisations alone are excluded.
+  /// over the models, and 1 without a search. A long list of models excludes those
+  /// with only local optimisations and a probability below kLimits.searched_model.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is

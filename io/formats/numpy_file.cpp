@@ -82,7 +82,7 @@ class Header {
       text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
       if (out.size() > kMostDimensions)
         throw NoNumbers{"more than " + std::to_string(kMostDimensions) +
-                        " dimensions: save its slices as arrays of their own"};
+                        " dimensions: save its slices as separate arrays"};
     }
     return out;
   }
@@ -91,7 +91,7 @@ class Header {
     const std::string_view text = value("descr");
     if (text.starts_with('['))
       throw NoNumbers{
-          "a structured type: save each field as an array of its own, "
+          "a structured type: save each field as a separate array, "
           "numpy.savez(\"FILE.npz\", **{name: a[name] for name in a.dtype.names})"};
     const std::size_t end = text.find('\'', 1);
     if (!text.starts_with('\'') || end == std::string_view::npos || end < 3)

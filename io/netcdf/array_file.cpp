@@ -93,7 +93,7 @@ std::string other_kind(int group, nc_type type, int rank) {
   int kind = 0;
   if (nc_inq_user_type(group, type, nullptr, nullptr, nullptr, nullptr, &kind) == NC_NOERR &&
       kind == NC_COMPOUND)
-    return "compound: save each member as an array of its own";
+    return "compound: save each member as a separate array";
   return "no numbers";
 }
 

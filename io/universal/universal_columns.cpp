@@ -139,7 +139,7 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
     if (!shares_abscissa(first, f))
       throw FileError(
           FileError::Kind::corrupt, name, {.line = f.line},
-          "this function's abscissa differs from that of the first: a table needs a common one");
+          "this function's abscissa differs from that of the first: a table needs one abscissa");
     const Measured over = measured(f.numerator, file.units);
     const Measured under = measured(f.denominator, file.units);
     std::string column = dof_in_words(f.response);

@@ -210,7 +210,8 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
                     in_a_row(structural);
   }
   if (!correlated)
-    out.origin += ", of scatters without their correlations (too few blocks for these)";
+    out.origin +=
+        ", with standard deviations but without correlations (too few blocks for correlations)";
   out.origin += "; damping is not used";
 }
 

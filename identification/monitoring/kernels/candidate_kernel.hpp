@@ -15,7 +15,7 @@ namespace wheeltap::identification::monitoring::detail {
 
 inline constexpr int kTile = 8;              ///< candidates in a tile
 inline constexpr int kSizes = 3;             ///< prior standard deviations of a shift
-inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not vote
+inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not count
 
 struct CandidateLayout {
   int features, block;
@@ -75,7 +75,7 @@ struct CandidateKernel {
   void (*begin)(const CandidateTiles& tiles, const RowStart& row);
   /// Adds the densities of an entry under every hypothesis, relative to the density without a
   /// shift. Returns the mean inflation of noise of the candidates' most probable hypotheses,
-  /// weighted by the mass of the candidates; 0: no candidate votes.
+  /// weighted by the mass of the candidates; 0: no candidate counts.
   double (*score)(const CandidateTiles& tiles, const Entry& entry);
   /// Conditions shifts on the entry that was scored last; `inflated`: variance of the update.
   void (*update)(const CandidateTiles& tiles, const Entry& entry, double inflated);
