@@ -23,7 +23,7 @@ struct TrainingRows {
   Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
-  /// Per feature: prior sd of slopes, relative to the noise sd; at least three sds of the feature.
+  /// Per feature: prior sd of slopes, divided by the noise sd. This sd is at least 3 feature sds.
   std::vector<double> slope_scale = {};
   std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights

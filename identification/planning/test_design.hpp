@@ -68,8 +68,8 @@ class TestData {
   /// noise.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
-  /// Whether the data hold the shape of a mode: modes without a shape of their own, and modes with
-  /// a node at every sensor, have none.
+  /// True if the data contain the shape of the mode: the mode is not close to another mode, and it
+  /// moves at least one sensor.
   [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 

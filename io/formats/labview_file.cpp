@@ -234,7 +234,7 @@ class Parser {
       for (std::size_t c = 0; c < segment.channels; ++c) {
         if (multi && number(f[2 * c]) != x)
           corrupt("channels " + std::to_string(1) + " and " + std::to_string(c + 1) +
-                  " have different times: they do not share one sampling");
+                  " have different times: a table needs one time column");
         const std::string_view field = f[multi ? 2 * c + 1 : c + 1];
         out.columns[c + 1].values.push_back(
             trimmed(field).empty() ? std::numeric_limits<double>::quiet_NaN() : number(field));

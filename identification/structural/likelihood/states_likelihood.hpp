@@ -108,7 +108,7 @@ class StatesLikelihood {
   /// Working memory of one thread. The working memory caches the last assembly and solution,
   /// because proposals that change damages do not change the intact structure.
   struct Workspace {
-    /// The intact structure of all groups with the same `known`.
+    /// The intact structure, which all groups with the same `known` share.
     struct Intact {
       std::optional<std::vector<double>> values = {};  ///< parameters of this structure
       std::optional<fem::Mesh> mesh = {};
