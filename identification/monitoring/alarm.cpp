@@ -110,20 +110,37 @@ Innovations healthy_innovations(const Baseline& baseline, const Series& series, 
   BaselineDraw draw = baseline.draws.front();
   draw.filter.reset_drift(draw.parameters);
   draw.lagged.resize(0);
+  draw.lagged_error.resize(0);
   draw.slow.resize(0);
-  Innovations out{.standardised = MatrixXd(to - from, series.feature_count())};
-  if (baseline.usual_sds.size() > 0) out.relative_variance = out.standardised;
+  const Index p = series.feature_count();
+  std::vector<VectorXd> standardised, variances;
+  std::vector<char> is_known;
   double before = series.hours.front();
+  LastCovariates last;
   for (int t = 0; t < to; ++t) {
     const Row row = row_of(series, t, baseline.usual_sds);
     const double step = row.hours - before;
     before = row.hours;
-    const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
+    const Weather weather = next_weather(baseline.scaling(row.covariates, last), step, draw);
     if (t < from) continue;
-    if (out.relative_variance.size() > 0)
-      out.relative_variance.row(t - from) = row.relative_variance.transpose();
-    out.standardised.row(t - from) =
-        filter_row(draw.parameters, weather, row, step, draw.filter).standardised.transpose();
+    is_known.push_back(is_weather_known(draw, baseline.residual_sd) ? 1 : 0);
+    variances.push_back(row.relative_variance);
+    standardised.push_back(
+        filter_row(draw.parameters, weather, row, step, draw.filter).standardised);
+  }
+  // ChangePoint::add does not use rows of unknown weather. If they are most of the rows, they are
+  // kept: their larger innovations raise the threshold.
+  const auto known = std::ranges::count(is_known, 1);
+  const bool is_all = 2 * known < to - from;
+  const auto n = static_cast<Index>(is_all ? to - from : known);
+  Innovations out{.standardised = MatrixXd(n, p)};
+  if (baseline.usual_sds.size() > 0) out.relative_variance.resize(n, p);
+  Index at = 0;
+  for (std::size_t t = 0; t < is_known.size(); ++t) {
+    if (!is_all && is_known[t] == 0) continue;
+    out.standardised.row(at) = standardised[t].transpose();
+    if (out.relative_variance.size() > 0) out.relative_variance.row(at) = variances[t].transpose();
+    ++at;
   }
   return out;
 }

@@ -66,7 +66,8 @@ struct Innovations {
 /// Innovations of the first draw's filter in rows [from, to) of the series. The coefficients are
 /// those of the trained filter. The drift begins with its stationary distribution, and lagged
 /// covariates follow from the rows before `from`, so that the rows may be anywhere in the training
-/// period.
+/// period. Rows whose weather is unknown (is_weather_known) are left out, if they are fewer than
+/// half.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& series,
                                               int from, int to);
 

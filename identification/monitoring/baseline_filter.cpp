@@ -59,7 +59,7 @@ void BaselineFilter::reset_drift(const BaselineParameters& b) {
 }
 
 void BaselineFilter::predict(const BaselineParameters& b, double hours) {
-  const double fast = std::exp(-b.fast_rate * hours), slow = std::exp(-hours / kSlowHours);
+  const double fast = std::exp(-b.fast_rate * hours), slow = std::exp(-hours / b.slow_hours);
   const Index n = b.features();
   for (Index j = 0; j < n; ++j) {
     const Index d = (j + 1) * block_ - 2;
@@ -93,11 +93,6 @@ void BaselineFilter::update(const VectorXd& covariance, double v, double s) {
   x += (v / s) * covariance;
   const VectorXd scaled = covariance / std::sqrt(s);
   p.noalias() -= scaled * scaled.transpose();
-}
-
-void BaselineFilter::widen(int term, const VectorXd& variance) {
-  for (Index j = 0; j < variance.size(); ++j)
-    p(j * block_ + term, j * block_ + term) += variance[j];
 }
 
 double BaselineFilter::imputation_variance(int feature, const Weather& weather) const {

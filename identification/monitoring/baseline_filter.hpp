@@ -3,7 +3,7 @@
 //
 //   y_tj = phi(u_t)' b_j + d_tj + s_tj + e_tj,
 //   d_t: Ornstein-Uhlenbeck, rate `fast_rate`, covariance diag(fast_sd) C diag(fast_sd),
-//   s_t: Ornstein-Uhlenbeck with the time constant kSlowHours, independent between features,
+//   s_t: Ornstein-Uhlenbeck with the time constant `slow_hours`, independent between features,
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
 // The state of feature j is the block [b_j, d_j, s_j]. The observation vector of every feature is h
@@ -25,12 +25,14 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
+/// Time constant of the slow drift, unless the training period is shorter: then its length.
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.
 struct BaselineParameters {
   CovariateTerms terms = {};
   double fast_rate = 0.1;  ///< 1/h
+  double slow_hours = kSlowHours;
   /// p entries, for the logarithms of the features
   Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
   Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
@@ -46,8 +48,8 @@ struct BaselineParameters {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, BaselineParameters>
 void carry(Parcel& parcel, Of& b) {
-  parcel(b.terms, b.fast_rate, b.fast_sd, b.slow_sd, b.noise_sd, b.correlation, b.degrees,
-         b.coefficient_mean, b.coefficient_sd);
+  parcel(b.terms, b.fast_rate, b.slow_hours, b.fast_sd, b.slow_sd, b.noise_sd, b.correlation,
+         b.degrees, b.coefficient_mean, b.coefficient_sd);
 }
 
 /// ln of the density of an innovation v whose squared scale is S.
@@ -81,8 +83,6 @@ class BaselineFilter {
 
   /// Replaces the drifts by their stationary distributions, independent of the coefficients.
   void reset_drift(const BaselineParameters& parameters);
-  /// Adds prior variance to a coefficient; `variance`: p.
-  void widen(int term, const Eigen::VectorXd& variance);
 
   /// Additional noise variance of a feature due to imputed covariates.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;

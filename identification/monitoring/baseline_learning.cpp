@@ -298,12 +298,40 @@ Weather next_weather(const CovariateScaling::Scaled& scaled, double hours, Basel
   return weather_at(draw.parameters.terms, scaled, draw.lagged, draw.slow);
 }
 
+bool is_weather_known(const BaselineDraw& draw, const VectorXd& residual_sd) {
+  if (draw.lagged_error.size() == 0 || draw.lagged_error.maxCoeff() == 0.0) return true;
+  const CovariateTerms& terms = draw.parameters.terms;
+  for (Index j = 0; j < residual_sd.size(); ++j) {
+    const auto b = draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
+    // Both slopes of a hinge: the missing covariate may be on either side.
+    VectorXd slopes = b.segment(1, draw.lagged_error.size());
+    VectorXd beyond = slopes;
+    for (std::size_t h = 0; h < terms.knots.size(); ++h)
+      beyond[terms.hinge_of[h]] += b[1 + slopes.size() + static_cast<Index>(h)];
+    const VectorXd steepest = slopes.cwiseAbs().cwiseMax(beyond.cwiseAbs());
+    if (steepest.cwiseProduct(draw.lagged_error).norm() > kLargestWeatherError * residual_sd[j])
+      return false;
+  }
+  return true;
+}
+
+namespace {
+int usual_draws(long entries, int coefficients) {
+  constexpr long kFewEntries = 1000;
+  const int usual = coefficients > 80 ? 4 : 6;
+  // Few entries leave the parameters uncertain.
+  return entries <= kFewEntries ? std::clamp(1000 / coefficients, usual, 24) : usual;
+}
+}  // namespace
+
 Baseline learn_baseline(const Series& learning, const LearningOptions& options) {
   check_faults(learning);
   Baseline out{.scaling = CovariateScaling(learning.covariates),
                .usual_sds = usual_sds(learning, learning.rows())};
   const std::shared_ptr<const TrainingRows> prepared = prepare(learning, options, out);
-  const Layout layout{.lag = prepared->lag, .features = prepared->features.size()};
+  const Layout layout{.lag = prepared->lag,
+                      .features = prepared->features.size(),
+                      .slow_hours = prepared->slow_hours};
   const inference::Problem problem{.space = space_of(*prepared), .likelihood = [prepared, layout] {
                                      return std::make_unique<LearningLikelihood>(*prepared, layout);
                                    }};
@@ -340,8 +368,12 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   TailChoices choices(*prepared, rows, central, correlations);
   const auto p = static_cast<Index>(prepared->features.size());
   VectorXd variance = VectorXd::Zero(p);
-  const auto coefficients = static_cast<int>(central.parameters.coefficient_sd.size());
-  const int draws = options.draws > 0 ? options.draws : coefficients > 80 ? 4 : 6;
+  const int unseen = out.scaling.count() > 0 ? kUnseenTerms : 0;
+  const int coefficients =
+      static_cast<int>((central.parameters.coefficient_sd.rows() - unseen) * p);
+  const int draws = options.draws > 0
+                        ? options.draws
+                        : usual_draws(learning.features.array().isFinite().count(), coefficients);
   for (int m = 0; m < draws; ++m) {
     BaselineDraw draw{.parameters =
                           parameters_of(*prepared, layout, spaced_draw(posterior, m, draws),
@@ -365,7 +397,9 @@ Baseline refit_baseline(const Series& learning, const Baseline& from,
   Baseline out{.scaling = CovariateScaling(learning.covariates),
                .usual_sds = usual_sds(learning, learning.rows())};
   const std::unique_ptr<TrainingRows> prepared = prepare(learning, options, out);
-  const Layout layout{.lag = prepared->lag, .features = prepared->features.size()};
+  const Layout layout{.lag = prepared->lag,
+                      .features = prepared->features.size(),
+                      .slow_hours = prepared->slow_hours};
   const std::vector<double> x =
       climb(*prepared, layout, start_of_climb(*prepared, layout, from, out));
   base::Random random(options.seed, 1, 0, base::Purpose::simulation);

@@ -29,8 +29,8 @@ namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features together have
-  /// more than eighty coefficients. The time per row is proportional to the number of
-  /// coefficients.
+  /// more than eighty coefficients, without those of unseen weather. At most 1000 training entries
+  /// leave the parameters uncertain: then 1000 divided by the number of coefficients, at most 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers are equally probable a priori
   bool hinges = true, lag = true;
@@ -52,14 +52,12 @@ struct BaselineDraw {
   Eigen::VectorXd lagged = {}, slow = {};
   /// Standard deviation of the error of `lagged` that missing covariates cause
   Eigen::VectorXd lagged_error = {};
-  /// Largest values so far of the terms of unseen weather, kUnseenTerms
-  Eigen::VectorXd unseen = {};
 };
 
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, BaselineDraw>
 void carry(Parcel& parcel, Of& draw) {
-  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow, draw.lagged_error, draw.unseen);
+  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow, draw.lagged_error);
 }
 
 /// The trained baseline.
@@ -103,5 +101,10 @@ void carry(Parcel& parcel, Of& b) {
 /// Updates the lagged covariates of one draw.
 [[nodiscard]] Weather next_weather(const CovariateScaling::Scaled& scaled, double hours,
                                    BaselineDraw& draw);
+
+inline constexpr double kLargestWeatherError = 0.3;
+/// False if the error of missing covariates may shift a feature by more than kLargestWeatherError
+/// residual standard deviations (`residual_sd`: p).
+[[nodiscard]] bool is_weather_known(const BaselineDraw& draw, const Eigen::VectorXd& residual_sd);
 
 }  // namespace wheeltap::identification::monitoring

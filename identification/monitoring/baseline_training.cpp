@@ -98,7 +98,8 @@ MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms) {
 ProcessRatios ratios_of(const Layout& layout, std::span<const double> x, std::size_t feature) {
   return {.fast_rate = 1.0 / x[layout.rate()],
           .fast_ratio = x[layout.fast(feature)],
-          .slow_ratio = x[layout.slow()]};
+          .slow_ratio = x[layout.slow()],
+          .slow_hours = layout.slow_hours};
 }
 
 std::vector<MarginalLikelihood> fits_of(const TrainingRows& of, const Layout& layout,
@@ -127,7 +128,8 @@ void weigh_outliers(TrainingRows& of) {
     terms.knots.push_back(of.sorted(of.sorted.rows() / 2, c));
   }
   const MatrixXd table = term_table(of, terms);
-  const ProcessRatios process{.fast_rate = 1.0 / 24.0, .fast_ratio = 0.3, .slow_ratio = 0.1};
+  const ProcessRatios process{
+      .fast_rate = 1.0 / 24.0, .fast_ratio = 0.3, .slow_ratio = 0.1, .slow_hours = of.slow_hours};
   for (std::size_t j = 0; j < of.features.size(); ++j) {
     FeatureRows& feature = of.features[j];
     const VectorXd stated = feature.precision;
@@ -156,6 +158,8 @@ std::unique_ptr<TrainingRows> prepare(const Series& series, const LearningOption
   auto prepared = std::make_unique<TrainingRows>();
   TrainingRows& of = *prepared;
   of.hours = series.hours;
+  // A drift that takes as long as the training period cannot be ruled out by it.
+  of.slow_hours = std::min(kSlowHours, of.hours.back() - of.hours.front());
   const auto n = static_cast<Index>(series.rows());
   of.sorted.resize(n, out.scaling.count());
   of.z.resize(out.scaling.count(), n);
@@ -199,14 +203,14 @@ std::unique_ptr<TrainingRows> prepare(const Series& series, const LearningOption
   of.slope_scale.assign(of.features.size(), kLeastSlopeScale);
   for (const double variance : of.variance) of.noise_scale.push_back(kNoiseOfVariance * variance);
   weigh_outliers(of);
-  of.evidence.emplace(of.hours, of.features);
+  of.evidence.emplace(of.hours, of.features, of.slow_hours);
   return prepared;
 }
 
 double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b, double step) {
   using Eigen::Matrix2d;
   using Eigen::Vector2d;
-  const double fast = std::exp(-a.fast_rate * step), slow = std::exp(-step / kSlowHours);
+  const double fast = std::exp(-a.fast_rate * step), slow = std::exp(-step / a.slow_hours);
   const Vector2d decay(fast, slow), h(1.0, 1.0);
   struct Filter {
     Matrix2d p;
@@ -292,6 +296,7 @@ BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
   const Index k = out.terms.size(static_cast<int>(of.sorted.cols()));
   const auto p = static_cast<Index>(of.features.size());
   out.fast_rate = 1.0 / x[layout.rate()];
+  out.slow_hours = layout.slow_hours;
   out.fast_sd.resize(p);
   out.slow_sd.resize(p);
   out.noise_sd.resize(p);
@@ -317,8 +322,9 @@ BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
       explained.array() -= explained.mean();
       const double size =
           std::sqrt(explained.squaredNorm() / static_cast<double>(explained.size()));
-      out.coefficient_sd.col(j).tail<kUnseenTerms>() =
-          std::max(size, sd) * Eigen::Vector4d(kBelow, kAbove, kBelow, kAbove);
+      for (int i = 0; i < kUnseenTerms; ++i)
+        out.coefficient_sd(k - kUnseenTerms + i, j) =
+            std::max(size, sd) * (i / kUnseenSegments % 2 == 0 ? kBelow : kAbove);
     }
   }
   return out;
@@ -327,6 +333,7 @@ BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
 double run_through(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw& draw) {
   draw.filter = BaselineFilter(draw.parameters);
   draw.lagged.resize(0);
+  draw.lagged_error.resize(0);
   draw.slow.resize(0);
   double sum = 0.0;
   for (std::size_t t = 0; t < rows.size(); ++t) {

@@ -27,6 +27,7 @@ struct TrainingRows {
   std::vector<double> slope_scale = {};
   std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
+  double slow_hours = kSlowHours;             ///< time constant of the slow drift
   bool lag = false;
   int most_hinges = 0;
   TrainingRows() = default;
@@ -39,6 +40,7 @@ struct TrainingRows {
 struct Layout {
   bool lag;
   std::size_t features;
+  double slow_hours = kSlowHours;
   [[nodiscard]] std::size_t rate() const { return lag ? 1 : 0; }
   [[nodiscard]] std::size_t slow() const { return rate() + 1; }
   [[nodiscard]] std::size_t fast(std::size_t j) const { return slow() + 1 + j; }

@@ -6,6 +6,7 @@
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::identification::monitoring {
 namespace {
@@ -39,13 +40,24 @@ double profile_at(ShiftProfile profile, double hours) {
   return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
 }
 
-constexpr int kOnsetParts = 20;  // parts of the mass of merged onsets
-
 // Fraction of weight that each row moves between the two filters of the model without a change.
 constexpr double kFilterShare = 0.05;
 
 /// A longer time between two scored rows, in usual steps, is a gap.
 constexpr double kGap = 1.5;
+
+/// Appends (hours, mass) of an onset. The mass of merged onsets has their mean and variance and a
+/// normal distribution, in equally probable parts, between the earliest and the latest of them.
+void spread_onsets(const CandidateOnset& c, double mass,
+                   std::vector<std::pair<double, double>>& out) {
+  constexpr int kParts = 20;
+  for (int part = 0; part < kParts; ++part) {
+    const double z = inference::normal_quantile((part + 0.5) / kParts);
+    out.emplace_back(std::clamp(c.mean_hours + std::sqrt(c.variance_hours) * z, c.first_hours,
+                                std::max(c.first_hours, c.last_hours)),
+                     mass / kParts);
+  }
+}
 
 }  // namespace
 
@@ -78,6 +90,7 @@ CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) {
           .hours = row.hours,
           .first_hours = row.hours,
           .last_hours = row.hours,
+          .mean_hours = row.hours,
           .profile = profile,
           .slot = bank_.add(prior_of_hypotheses(residual_sd_.size()), draws)};
 }
@@ -100,16 +113,22 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
     candidates_.back().log_wealth = log_share + std::log(rows);
     candidates_.back().log_prior = log_share + log_born + more_log_prior;
   };
+  const auto begins_at = [&](double first) {
+    CandidateOnset& c = candidates_.back();
+    c.first_hours = first;
+    c.mean_hours = 0.5 * (first + c.last_hours);
+    c.variance_hours = (c.last_hours - first) * (c.last_hours - first) / 12.0;
+  };
   bear(ShiftProfile::step, std::log1p(-options_.ramp_share), std::min(1.0, hours * rows_per_hour_),
        0.0);
   // After a gap, the change may have occurred at any time in the gap.
-  if (hours * rows_per_hour_ > kGap) candidates_.back().first_hours = last_scored_hours_;
+  if (hours * rows_per_hour_ > kGap) begins_at(last_scored_hours_);
   // A candidate ramp stands for all rows since the last one.
   if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0) {
     const double rows = options_.ramp_every, since = row.hours - last_ramp_hours_;
     bear(ShiftProfile::ramp, std::log(options_.ramp_share), std::min(rows, since * rows_per_hour_),
          std::log(since / hours));
-    if (hours * rows_per_hour_ > kGap) candidates_.back().first_hours = last_ramp_hours_;
+    if (hours * rows_per_hour_ > kGap) begins_at(last_ramp_hours_);
     last_ramp_hours_ = row.hours;
   }
   if (options_.transients_per_hour > 0.0) {
@@ -213,6 +232,11 @@ void ChangePoint::merge(std::vector<CandidateOnset>& list, std::size_t from, std
   CandidateOnset &a = list[from], &b = list[into];
   if (a.profile != ShiftProfile::transient)
     moved_ += std::exp(a.log_mass() - log_sum(log_no_change_, a.log_mass()));
+  const double share = 1.0 / (1.0 + std::exp(b.log_mass() - a.log_mass()));  // of a
+  const double apart = a.mean_hours - b.mean_hours;
+  b.mean_hours += share * apart;
+  b.variance_hours +=
+      share * (a.variance_hours - b.variance_hours) + share * (1.0 - share) * apart * apart;
   b.log_prior = log_sum(b.log_mass(), a.log_mass()) - b.log_ratio;
   b.log_wealth = log_sum(b.log_wealth, a.log_wealth);
   b.first_hours = std::min(b.first_hours, a.first_hours);
@@ -269,51 +293,18 @@ bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile prof
 }
 
 bool ChangePoint::knows_weather() const {
-  for (const BaselineDraw& draw : draws_) {
-    if (draw.lagged_error.size() == 0 || draw.lagged_error.maxCoeff() == 0.0) continue;
-    const CovariateTerms& terms = draw.parameters.terms;
-    for (Index j = 0; j < residual_sd_.size(); ++j) {
-      const auto b =
-          draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
-      // Both slopes of a hinge: the missing covariate may be on either side.
-      VectorXd slopes = b.segment(1, draw.lagged_error.size());
-      VectorXd beyond = slopes;
-      for (std::size_t h = 0; h < terms.knots.size(); ++h)
-        beyond[terms.hinge_of[h]] += b[1 + slopes.size() + static_cast<Index>(h)];
-      const VectorXd steepest = slopes.cwiseAbs().cwiseMax(beyond.cwiseAbs());
-      if (steepest.cwiseProduct(draw.lagged_error).norm() > kLargestWeatherError * residual_sd_[j])
-        return false;
-    }
-  }
-  return true;
-}
-
-void ChangePoint::widen_for_weather(const std::vector<Weather>& weather) {
-  for (std::size_t m = 0; m < draws_.size(); ++m) {
-    BaselineDraw& draw = draws_[m];
-    if (draw.lagged.size() == 0) continue;
-    const Index first = draw.parameters.block() - 2 - kUnseenTerms;
-    if (draw.unseen.size() == 0) draw.unseen = VectorXd::Zero(kUnseenTerms);
-    for (Index k = 0; k < kUnseenTerms; ++k) {
-      const double now = weather[m].h[first + k], before = draw.unseen[k];
-      if (now <= before) continue;
-      draw.unseen[k] = now;
-      if (before == 0.0) continue;  // the coefficient still has its prior
-      const VectorXd variance =
-          (1.0 - (before / now) * (before / now)) *
-          draw.parameters.coefficient_sd.row(first + k).transpose().array().square();
-      draw.filter.widen(static_cast<int>(first + k), variance);
-      changed_[m].widen(static_cast<int>(first + k), variance);
-    }
-  }
+  double known = 0.0;
+  for (std::size_t m = 0; m < draws_.size(); ++m)
+    if (is_weather_known(draws_[m], residual_sd_))
+      known += std::exp(log_weight_[static_cast<Index>(m)]);
+  return known >= 0.5;
 }
 
 PredictedRow ChangePoint::add(const Row& measured) {
   const double hours = measured.hours - last_hours_;
-  const CovariateScaling::Scaled scaled = scaling_(measured.covariates);
+  const CovariateScaling::Scaled scaled = scaling_(measured.covariates, last_covariates_);
   std::vector<Weather> weather;
   for (BaselineDraw& draw : draws_) weather.push_back(next_weather(scaled, hours, draw));
-  widen_for_weather(weather);
   Row row = measured;
   const bool is_scored = knows_weather() && measured.features.array().isFinite().any();
   if (!is_scored) row.features.setConstant(kNaN);
@@ -341,7 +332,7 @@ PredictedRow ChangePoint::add(const Row& measured) {
     changed_[m].predict(b, hours);
     const CandidateBank::RowStart start{.h = weather[m].h,
                                         .fast = std::exp(-b.fast_rate * hours),
-                                        .slow = std::exp(-hours / kSlowHours),
+                                        .slow = std::exp(-hours / b.slow_hours),
                                         .degrees = b.degrees,
                                         .present = present,
                                         .profile = profile,
@@ -395,13 +386,7 @@ ChangeEstimate ChangePoint::estimate() const {
   VectorXd squares = VectorXd::Zero(p);
   for (const CandidateOnset& c : candidates()) {
     const double mass = std::exp(c.log_mass() - sum);
-    // The mass of merged onsets is spread evenly over their times.
-    const int parts = c.last_hours > c.first_hours ? kOnsetParts : 1;
-    for (int part = 0; part < parts; ++part)
-      onsets.emplace_back(
-          parts == 1 ? c.hours
-                     : c.first_hours + (c.last_hours - c.first_hours) * (part + 0.5) / parts,
-          mass / parts);
+    spread_onsets(c, mass, onsets);
     if (c.profile == ShiftProfile::ramp) out.ramp_probability += mass;
     for (const ShiftPosterior& d : c.draws)
       for (Index size = 0; size < kSizes; ++size) {

@@ -41,7 +41,6 @@ namespace wheeltap::identification::monitoring {
 inline constexpr double kShiftSizes[kSizes] = {0.5, 1.5, 5.0};
 inline constexpr double kRampHours = 30.0 * 24.0;
 inline constexpr double kTransientHours = 72.0;
-inline constexpr double kLargestWeatherError = 0.3;
 
 enum class ShiftProfile { step, ramp, transient };
 
@@ -70,6 +69,8 @@ struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
   double hours = 0.0;    ///< time of this row
   double first_hours = 0.0, last_hours = 0.0;  ///< earliest and latest merged onset
+  /// Mean and variance of the merged onsets, weighted by their masses
+  double mean_hours = 0.0, variance_hours = 0.0;
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
   double log_wealth = 0.0;  ///< ln of its term in the Shiryaev-Roberts sum
@@ -85,8 +86,8 @@ struct CandidateOnset {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, CandidateOnset>
 void carry(Parcel& parcel, Of& c) {
-  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.profile, c.log_ratio, c.log_wealth,
-         c.log_prior, c.slot);
+  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.mean_hours, c.variance_hours, c.profile,
+         c.log_ratio, c.log_wealth, c.log_prior, c.slot);
 }
 
 /// Prediction of a row without a change since the last alarm.
@@ -142,7 +143,6 @@ class ChangePoint {
 
  private:
   [[nodiscard]] bool knows_weather() const;
-  void widen_for_weather(const std::vector<Weather>& weather);
   void bear_candidates(const Row& row, double hours);
   Eigen::VectorXd score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
                                 PredictedRow& out);
@@ -160,6 +160,7 @@ class ChangePoint {
   CovariateScaling scaling_;
   Eigen::VectorXd residual_sd_;
   ChangePointOptions options_;
+  LastCovariates last_covariates_;
   std::vector<BaselineDraw> draws_;      ///< filters without a change
   std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one per draw
   Eigen::VectorXd log_weight_;           ///< log weights of the draws in the model without a change
@@ -176,9 +177,10 @@ class ChangePoint {
   template <class Parcel, class Of>
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
-    parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
-           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_, c.last_hours_,
-           c.last_ramp_hours_, c.last_scored_hours_, c.log_no_change_, c.moved_, c.rows_);
+    parcel(c.scaling_, c.last_covariates_, c.residual_sd_, c.options_, c.draws_, c.changed_,
+           c.log_weight_, c.shared_, c.candidates_, c.transients_, c.bank_, c.log_quiet_,
+           c.rows_per_hour_, c.last_hours_, c.last_ramp_hours_, c.last_scored_hours_,
+           c.log_no_change_, c.moved_, c.rows_);
   }
 };
 

@@ -2,11 +2,13 @@
 //
 //   v_c' = (z_c - v_c) / lag,   z_c = (u_c - mean_c) / sd_c          (z held between rows)
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
-//   cold = max over c of (low_c - v_c)+,   warm = max over c of (v_c - high_c)+
+//   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
-// The last four terms are zero in the training period. The terms "long" use v with the lag
-// kLongLagHours, for example for frozen ground. Training does not change the priors of their
-// coefficients, so that predictions are wider in weather outside the training period.
+// Each of the last four stands for kUnseenSegments terms of its u, the lengths of u inside the
+// segments between kUnseenKnots: a piecewise linear function with an independent slope in each
+// segment. They are zero in the training period. Those of "long" use v with the lag kLongLagHours,
+// for example for frozen ground. Training does not change the priors of their coefficients, so that
+// predictions are wider in weather outside the training period, and again in each new segment.
 #pragma once
 
 #include <concepts>
@@ -18,6 +20,19 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kLargestDeviation = 25.0;
+inline constexpr double kLargestJump = 3.0;
+
+/// Standardised values of the last finite readings, and of the last entries that were used; empty
+/// before the first row.
+struct LastCovariates {
+  Eigen::VectorXd read = {}, used = {};
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, LastCovariates>
+void carry(Parcel& parcel, Of& last) {
+  parcel(last.read, last.used);
+}
 
 /// Scaling and imputation of covariates, from the training period.
 class CovariateScaling {
@@ -36,6 +51,13 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
+  /// The same for a row of a time series. In addition, an entry outside the range of the training
+  /// period by more than a jump counts as missing, unless it is within a jump of the last reading
+  /// or of the last used entry of this covariate. A single wrong reading then does not determine
+  /// the effect of weather outside the training period. A jump is kLargestJump standard deviations,
+  /// or twice the largest change between two rows of the training period. Such an entry has at
+  /// least the variance of an error as large as its distance from the imputed value.
+  [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
   /// Indices of the covariates that vary, in order.
@@ -46,17 +68,26 @@ class CovariateScaling {
   template <class Parcel, class Of>
   requires std::same_as<std::remove_const_t<Of>, CovariateScaling>
   friend void carry(Parcel& parcel, Of& scaling) {
-    parcel(scaling.used_, scaling.mean_, scaling.sd_, scaling.correlation_);
+    parcel(scaling.used_, scaling.mean_, scaling.sd_, scaling.low_, scaling.high_, scaling.jump_,
+           scaling.correlation_);
   }
 
  private:
+  [[nodiscard]] Scaled impute(const Eigen::VectorXd& z) const;
+
   std::vector<int> used_;
   Eigen::VectorXd mean_, sd_;
+  Eigen::VectorXd low_, high_;  ///< smallest and largest standardised value of the training period
+  Eigen::VectorXd jump_;
   Eigen::MatrixXd correlation_;
 };
 
 inline constexpr double kLongLagHours = 72.0;
-inline constexpr int kUnseenTerms = 4;  ///< number of terms "cold" to "long warm" at the end of phi
+inline constexpr int kUnseenSegments = 3;
+/// Left ends of the segments, in standard deviations outside the training period.
+inline constexpr double kUnseenKnots[kUnseenSegments] = {0.0, 1.0, 4.0};
+/// Number of terms "cold" to "long warm" at the end of phi
+inline constexpr int kUnseenTerms = 4 * kUnseenSegments;
 
 /// The nonlinear parameters of the covariates' terms.
 struct CovariateTerms {

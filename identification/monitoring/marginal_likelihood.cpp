@@ -55,7 +55,7 @@ Whitened whiten(const std::vector<double>& hours, const MatrixXd& terms, const F
     if (now - before != step) {
       step = now - before;
       a = std::exp(-process.fast_rate * step);
-      c = std::exp(-step / kSlowHours);
+      c = std::exp(-step / process.slow_hours);
     }
     before = now;
     ff = a * a * ff + (1.0 - a * a) * process.fast_ratio;
@@ -124,8 +124,8 @@ MarginalLikelihood marginal_likelihood(const std::vector<double>& hours, const M
 }
 
 EvidenceData::EvidenceData(const std::vector<double>& hours,
-                           const std::vector<FeatureRows>& features)
-    : hours_(hours), features_(features) {
+                           const std::vector<FeatureRows>& features, double slow_hours)
+    : hours_(hours), features_(features), slow_hours_(slow_hours) {
   constexpr auto kLanes = static_cast<std::size_t>(detail::kLanes);
   for (std::size_t j = 0; j < features.size(); ++j) {
     if (j % kLanes == 0) {
@@ -139,7 +139,7 @@ EvidenceData::EvidenceData(const std::vector<double>& hours,
     }
   }
   for (std::size_t t = 0; t < hours.size(); ++t)
-    slow_decay_.push_back(t == 0 ? 1.0 : std::exp(-(hours[t] - hours[t - 1]) / kSlowHours));
+    slow_decay_.push_back(t == 0 ? 1.0 : std::exp(-(hours[t] - hours[t - 1]) / slow_hours));
 }
 
 std::vector<MarginalLikelihood> EvidenceData::operator()(
@@ -150,10 +150,12 @@ std::vector<MarginalLikelihood> EvidenceData::operator()(
   std::vector<MarginalLikelihood> out;
   if (k + 1 > detail::kMostColumns) {
     for (std::size_t j = 0; j < features_.size(); ++j)
-      out.push_back(marginal_likelihood(
-          hours_, terms, features_[j],
-          {.fast_rate = fast_rate, .fast_ratio = fast_ratios[j], .slow_ratio = slow_ratio},
-          priors[j]));
+      out.push_back(marginal_likelihood(hours_, terms, features_[j],
+                                        {.fast_rate = fast_rate,
+                                         .fast_ratio = fast_ratios[j],
+                                         .slow_ratio = slow_ratio,
+                                         .slow_hours = slow_hours_},
+                                        priors[j]));
     return out;
   }
   std::vector<double> fast_decay(hours_.size(), 1.0);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "identification/monitoring/baseline_filter.hpp"
 
 namespace wheeltap::identification::monitoring {
 
@@ -30,6 +31,7 @@ struct RegressionPrior {
 struct ProcessRatios {
   double fast_rate = 0.1;  ///< 1/h
   double fast_ratio = 0.3, slow_ratio = 0.1;
+  double slow_hours = kSlowHours;
 };
 
 struct MarginalLikelihood {
@@ -51,7 +53,8 @@ struct MarginalLikelihood {
 class EvidenceData {
  public:
   /// `hours`: times of all rows.
-  EvidenceData(const std::vector<double>& hours, const std::vector<FeatureRows>& features);
+  EvidenceData(const std::vector<double>& hours, const std::vector<FeatureRows>& features,
+               double slow_hours);
 
   /// marginal_likelihood of every feature, which agrees with the function above up to rounding.
   /// `terms`: K x (all rows); `fast_ratios` and `priors`: one per feature.
@@ -64,6 +67,7 @@ class EvidenceData {
   const std::vector<FeatureRows>& features_;
   std::vector<std::vector<double>> values_, variances_;  ///< one entry per group of lanes
   std::vector<double> slow_decay_;
+  double slow_hours_;
 };
 
 /// One-step innovations at coefficients b, divided by σ; unit variance under the model.

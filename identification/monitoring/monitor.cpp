@@ -55,6 +55,7 @@ std::vector<RowFinding> learning_findings(const Series& learning, const Baseline
   const Eigen::VectorXd learned = draw.filter.x;
   draw.filter = BaselineFilter(draw.parameters);
   draw.lagged.resize(0);
+  draw.lagged_error.resize(0);
   draw.slow.resize(0);
   const Eigen::Index block = draw.parameters.block();
   std::vector<RowFinding> out;
@@ -91,6 +92,13 @@ Monitor::Monitor(const Series& learning, const MonitorOptions& options)
   change_ = ChangePoint(baseline_, options.change);
   learned_ = learning_findings(learning, baseline_);
   for (BaselineDraw& draw : baseline_.draws) draw.filter = {};  // change_ has copies
+}
+
+Monitor Monitor::with_rate(double false_alarms_per_year, bool is_calibrated) const {
+  Monitor out = *this;
+  out.log_stated_ = std::log(rows_per_year() / false_alarms_per_year);
+  out.is_calibrated_ = is_calibrated;
+  return out;
 }
 
 double Monitor::log_threshold_replayed() const {

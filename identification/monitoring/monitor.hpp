@@ -55,6 +55,9 @@ class Monitor {
 
   RowFinding add(const Row& row);
 
+  /// A copy, in its present state, that alarms at another stated rate. It needs no new training.
+  [[nodiscard]] Monitor with_rate(double false_alarms_per_year, bool is_calibrated) const;
+
   /// One-step predictions of the training rows by the filter of the first draw; they have no alarm
   /// statistic. Empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }

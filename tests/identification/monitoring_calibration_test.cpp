@@ -48,8 +48,8 @@ Baseline random_baseline(base::Random& random) {
     b.slow_sd = 0.5 * b.noise_sd;
     const double r = 0.8 * random.uniform();
     b.correlation = (MatrixXd(2, 2) << 1.0, r, r, 1.0).finished();
-    b.coefficient_mean = MatrixXd::Zero(7, kFeatures);
-    b.coefficient_sd = MatrixXd::Constant(7, kFeatures, 1.0);
+    b.coefficient_mean = MatrixXd::Zero(3 + kUnseenTerms, kFeatures);
+    b.coefficient_sd = MatrixXd::Constant(3 + kUnseenTerms, kFeatures, 1.0);
     draw.filter = BaselineFilter(b);
     out.draws.push_back(draw);
   }

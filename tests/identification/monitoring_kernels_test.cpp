@@ -72,7 +72,7 @@ std::vector<FeatureRows> some_rows(int n, int features, base::Random& random) {
 TEST(EvidenceData, AgreesWithOneFeatureAfterTheOther) {
   base::Random random(1, 0, 0, base::Purpose::test);
   for (const int features : {1, 6, 9})
-    for (const Index terms : {1, 4, 9}) {
+    for (const Index terms : {1, 4, 9, 26}) {  // 26: without the kernel
       constexpr int kRows = 70;
       std::vector<double> hours;
       for (int t = 0; t < kRows; ++t) hours.push_back(t + 0.4 * random.uniform());
@@ -83,10 +83,11 @@ TEST(EvidenceData, AgreesWithOneFeatureAfterTheOther) {
       const std::vector<RegressionPrior> priors(
           index(features),
           {.coefficient_scale = Eigen::VectorXd::Constant(terms, 3.0), .scale = 0.4});
-      const auto found = EvidenceData(hours, rows)(table, 0.2, 0.3, ratios, priors);
+      const auto found = EvidenceData(hours, rows, 40.0)(table, 0.2, 0.3, ratios, priors);
       for (std::size_t j = 0; j < rows.size(); ++j) {
         const MarginalLikelihood one = marginal_likelihood(
-            hours, table, rows[j], {.fast_rate = 0.2, .fast_ratio = 0.7, .slow_ratio = 0.3},
+            hours, table, rows[j],
+            {.fast_rate = 0.2, .fast_ratio = 0.7, .slow_ratio = 0.3, .slow_hours = 40.0},
             priors[j]);
         EXPECT_NEAR(found[j].log_density, one.log_density, 1e-9);
         EXPECT_NEAR(found[j].scale, one.scale, 1e-9);
