@@ -3,7 +3,7 @@
 #pragma once
 
 // Philox uses only integer arithmetic. Without this setting, Random123 includes the headers of all
-// vector instructions, which every source file would parse.
+// vector instructions, and every source file would take longer to compile.
 #ifndef R123_USE_SSE
 #define R123_USE_SSE 0
 #endif

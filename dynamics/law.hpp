@@ -103,7 +103,7 @@ struct Slopes {
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
-/// A list of force laws as types.
+/// A list of types: the force laws.
 template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));

@@ -49,9 +49,9 @@ class RunError : public std::runtime_error {
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
 
-/// Returns a part of a design, to divide the work between machines. The part contains the runs
-/// part, part + parts, part + 2 parts, …, where `part` (from 0) is the number of the part and
-/// `parts` the number of all parts. Throws std::invalid_argument unless 0 <= part < parts and the
+/// Returns a part of a design, to divide the work between machines. It contains every run whose
+/// number i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, … (all
+/// numbers count from 0). Throws std::invalid_argument unless 0 <= part < parts and the
 /// part has a run.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 

@@ -37,9 +37,9 @@ struct Command {
   std::string case_kind = {};  ///< kind of case that it runs; empty: none
   /// This command runs the cases with this key; empty: it runs the other cases of its kind
   std::string case_key = {};
-  /// Creates a run of a case of this kind; empty if the kind is not sampled
+  /// Creates a run of a case of this kind; empty if no run of this kind draws samples
   MakeCaseRun make_run = {};
-  /// Checks a case whose kind is not sampled: reads its data without a run. Throws Failure.
+  /// For kinds without `make_run`: checks a case and reads its data, without a run. Throws Failure.
   std::function<void(CaseFile)> check = {};
   /// Adds arguments and options to the command. The options set members of the Invocation, or a
   /// value that `run` also uses.

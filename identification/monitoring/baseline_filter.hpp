@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// Time constant of the slow drift, unless the training period is shorter: then its length.
+/// Largest time constant of the slow drift; a shorter training period gives its own length.
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.

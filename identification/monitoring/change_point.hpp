@@ -47,7 +47,7 @@ enum class ShiftProfile { step, ramp, transient };
 struct ChangePointOptions {
   double hazard_per_hour = 1e-5;               ///< rate of changes
   double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
-  /// Rate at which transients end before they have decayed.
+  /// Rate at which transients end suddenly instead of decaying.
   double transient_ends_per_hour = 1.0 / kTransientHours;
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
   int ramp_every = 24;       ///< rows between two candidate ramps

@@ -120,9 +120,9 @@ class TemperedChain {
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from
 /// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
-/// the first model, if this is the case for all models. The function `goes_on`, if any, is called
-/// before every draw with the completed share of the largest possible number of draws; if it
-/// returns false, the remaining models are not checked.
+/// the first model, if this is the case for all models. The function `goes_on` may be empty.
+/// Otherwise it is called before every draw, with the completed share of the largest possible
+/// number of draws. If it returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

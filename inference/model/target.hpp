@@ -254,8 +254,8 @@ class Target {
     return likelihood_ && likelihood_->has_exact_derivatives();
   }
 
-  /// Log density of the prior with respect to dz, including the prior factor. The state must be
-  /// evaluated.
+  /// Log of the prior density of z, multiplied by the prior factor of the problem. The state must
+  /// be evaluated.
   [[nodiscard]] double log_prior(const State& state) const;
   /// Log density of the prior with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;

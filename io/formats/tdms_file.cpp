@@ -422,7 +422,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
     sources.push_back(&c);
   }
   const ChosenColumns chosen = choose_columns(arrays, {}, wanted, out);
-  if (out.columns.empty()) parser.corrupt("holds no channel of two numbers or more");
+  if (out.columns.empty()) parser.corrupt("has no channel with at least two samples");
   const auto values = [&](std::size_t i) {
     if (sources[i] != nullptr) return parser.values(*sources[i]);
     const auto clock = std::ranges::find(clocks, arrays[i].shape[0], &Clock::length);

@@ -131,7 +131,7 @@ class StatesLikelihood {
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
   /// All frequencies [Hz] at a generic prior draw, where only true symmetries give equal
-  /// frequencies. Empty if the structure is impossible.
+  /// frequencies. Empty if no draw gives a stable structure.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
 
