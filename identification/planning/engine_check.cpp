@@ -17,8 +17,6 @@ using Eigen::Index;
 
 /// Fewest local searches for each model.
 constexpr int kSearches = 200;
-/// First number of the checked tests; scores and searches use smaller numbers.
-constexpr std::uint64_t kFirst = std::uint64_t{1} << 40;
 
 /// A location: part of a line of sites, and position on this part [m].
 struct Spot {
@@ -207,7 +205,7 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
   double squares = 0.0, weights = 0.0;
   for (int i = 0; i < count; ++i) {
     if (progress) progress(static_cast<double>(i) / count);
-    const std::uint64_t number = kFirst + static_cast<std::uint64_t>(i);
+    const std::uint64_t number = kFirstCheck + static_cast<std::uint64_t>(i);
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;
