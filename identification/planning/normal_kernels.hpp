@@ -45,8 +45,8 @@ struct PairRow {
   float limit;               ///< largest amplitude of place a
   const float* amplitudes;   ///< y · v_b
   const float* bends;        ///< y · w_b
-  const float* slopes;       ///< of the places b
-  const float* limits;       ///< of the places b
+  const float* slopes;       ///< slope of each place b
+  const float* limits;       ///< limit of each place b
   const float* correlation;  ///< ρ = v_a · v_b
   const float* inverse;      ///< 1 / (1 - ρ²)
   const float* log_weight;   ///< added to the largest exponent
@@ -62,18 +62,19 @@ struct PairRow {
 /// them.
 inline constexpr float kSmallChange = 0.3F;
 
-/// weight = ln of the approximate weight of each pair without interaction and curvature: the
-/// exponent at amplitudes 0 <= c <= limit along both directions, plus log_weight. `extra` is an
-/// approximate upper bound of the increase of the exponent by the best amplitudes, interaction and
-/// curvature:
+/// Computes the ln of the approximate weight of each pair: `log_weight` plus the exponent at
+/// amplitudes c between 0 and `limit` along both directions. `extra` is an approximate upper bound
+/// of the increase of the exponent by better amplitudes, interaction and curvature:
 ///
 ///   extra = f + min(r²/2, κ²/2 + 4 κ) + min(u, d √(2 u)).
 ///
-/// f is the increase without limits of the amplitudes. κ = |I| c_a c_b / (|Δ_a| |Δ_b|) is the size
-/// of the interaction, and r the norm of the residual; the second term is exceeded with probability
-/// 3e-5 if the interaction describes the residual. u is the increase if both places may deviate
-/// freely along w_a and w_b, and d = c_a slope_a + c_b slope_b the largest possible deviation.
-/// `square` = |y|². Returns the largest weight of the pairs with `extra` below kSmallChange.
+/// Without limits of the amplitudes, the exponent increases by f. The interaction has the size κ =
+/// |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. The second term is exceeded with
+/// probability 3e-5 if the interaction describes the residual. If both places may deviate freely
+/// along w_a and w_b, the exponent increases by u. The largest possible deviation is d = c_a
+/// slope_a
+/// + c_b slope_b. `square` = |y|². Returns the largest weight of the pairs with `extra` below
+/// kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
 /// Pairs of places with curved lines of effects c v + α c (c - τ) w, 0 <= c <= limit, as arrays of
