@@ -348,28 +348,32 @@ double estimate_seconds(const PlanCase& plan, const PlanOptions& options) {
   const PreparedDesign prepared =
       prepare(model.structure(), model.predictions(), plan.noise, design);
   const double of_design = now() - prepared_from;
+  // The first tests also fill the memory of the solver.
   constexpr int kTests = 300;
-  const double tests_from = now();
+  static_cast<void>(model.source().draw(kTests, kTests, 1));
+  const double drawn_from = now();
   const auto drawn = model.source().draw(0, kTests, 1);
+  const double tests_from = now();
   static_cast<void>(simulate_tests(model.source(), prepared, drawn, plan.tolerance));
-  const double of_test = (now() - tests_from) / kTests;
+  const double of_draw = (tests_from - drawn_from) / kTests,
+               of_test = (now() - tests_from) / kTests;
   const auto candidates = static_cast<double>(model.structure().candidates().size());
+  const auto places = static_cast<double>(model.structure().places().size());
   const double choose = plan.choose, shapes = plan.choose >= 2 ? 1.0 : 0.0;
   // Ten designs, two classical layouts and frequencies alone.
-  const double scored = options.scenarios * (1.0 + 12.0 * shapes);
-  // Numbers of sensors, record lengths, random layouts, and modes with models of their own.
-  const double varied = variation_tests(options.scenarios) * (6.0 + shapes * (choose + 9.0));
-  const double mapped =
-      10.0 * static_cast<double>(model.structure().places().size()) * options.tests_per_place;
+  const double scored = options.scenarios * (of_draw + (1.0 + 12.0 * shapes) * of_test);
+  // Record lengths, modes with models of their own, numbers of sensors and random layouts.
+  const double varied = variation_tests(options.scenarios) *
+                        (11.0 * of_draw + (10.0 + shapes * (choose + 5.0)) * of_test);
+  const double mapped = 10.0 * places * options.tests_per_place * of_test;
   const double compared =
       shapes *
       std::min(layout_count(static_cast<int>(candidates), plan.choose) + choose * candidates,
                120.0 + candidates * (13.0 + 4.0 * choose));
-  // The search has fewer places; a comparison needs about 400 tests and two preparations a design.
-  const double share =
-      std::min(1.0, kCoarsePlaces / static_cast<double>(model.structure().places().size()));
-  return 5.0 * of_model + of_test * (scored + varied + mapped) +
-         compared * share * share * (2.0 * of_design + 400.0 * of_test);
+  // The search has fewer places; a comparison needs about 300 tests and two preparations a design.
+  const double share = std::min(1.0, kCoarsePlaces / places);
+  return 5.0 * of_model + scored + varied + mapped +
+         compared * share * share * (2.0 * of_design + 300.0 * of_test);
 }
 
 SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options) {
