@@ -4,6 +4,7 @@
 
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
+#include "apps/explained.hpp"
 #include "apps/results/planning/plan_summary.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/runs/plan_run.hpp"
@@ -14,18 +15,20 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Rough estimate of run time on one core: search, and simulated tests of the designs.
-RunCost cost_of_plan(const PlanCaseFile& parsed, int scenarios) {
-  constexpr double kTest = 3e-4, kDesigns = 30.0, kSearch = 256.0;
-  const auto candidates = static_cast<double>(parsed.sensors.size());
-  const double compared = 120.0 + 3.0 * parsed.plan.choose * candidates;
-  return {.seconds = kTest * (kDesigns * scenarios + kSearch * compared)};
+/// Estimate of the run time on one core, without the check by the full engine.
+RunCost cost_of_plan(const PlanCaseFile& parsed, const CommonOptions& common, int scenarios) {
+  return {.seconds = explained(parsed, [&] {
+            return identification::planning::estimate_seconds(
+                parsed.plan,
+                {.scenarios = scenarios, .seed = common.seed.value_or(1), .threads = 1});
+          })};
 }
 
 void plan(const CommonOptions& common, PlanRunOptions options) {
   const PlanCaseFile parsed = parse_plan_case(read_case(common.case_path, common.overrides));
   check_plan_case(parsed, options.scenarios);
-  if (common.dry_run) return common.dry_run("plan", cost_of_plan(parsed, options.scenarios));
+  if (common.dry_run)
+    return common.dry_run("plan", cost_of_plan(parsed, common, options.scenarios));
   claim_output_folder(common.output);
   ProgressBar bar(common.quiet);
   options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction, ""); };

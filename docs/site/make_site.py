@@ -36,6 +36,7 @@ CHAPTERS = {
 PAGES = {"README.md": "readme", "CHANGELOG.md": "changes", "docs/README.md": "index", "data/README.md": "data"}
 TUTORIALS = [
     ("docs/tutorials/first-answer.sh", "First damage identification on the command line"),
+    ("docs/tutorials/plan.sh", "Sensors of a modal test, chosen before the test"),
     ("docs/tutorials/three-span-beam.sh", "Damage of a three-span beam from raw accelerations"),
     ("docs/tutorials/beam.py", "Damage in a beam, with Python"),
     ("docs/tutorials/rig.py", "Equation of motion of a mass on a spring"),

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
@@ -30,6 +31,8 @@ constexpr double kVisible = 3.0;
 constexpr double kImage = 1e-3;
 /// Largest number of pairs that a search for separations compares.
 constexpr std::size_t kComparedPairs = 64;
+/// Largest number of candidates of which a search for separations compares all pairs.
+constexpr std::size_t kPairedCandidates = 32;
 
 /// Ends of Wilson's 95 % interval of a proportion.
 std::pair<double, double> wilson(double hits, double n) {
@@ -83,6 +86,27 @@ double distance_to_curve(const VectorXd& target, const MatrixXd& nodes) {
 double distance_between(const MatrixXd& a, const MatrixXd& b) {
   return std::min(distance_to_curve(a.col(a.cols() - 1), b),
                   distance_to_curve(b.col(b.cols() - 1), a));
+}
+
+/// The candidates of which pairs are compared: all or, if there are many, those with the lowest
+/// costs and, at equal costs, the largest Σ φ² over the modes.
+std::vector<int> paired_candidates(const PlannedStructure& structure,
+                                   const std::vector<double>& costs) {
+  const MatrixXd shapes = structure.intact_shapes();
+  VectorXd energy = VectorXd::Zero(shapes.rows());
+  for (Index j = 0; j < shapes.cols(); ++j)
+    energy += shapes.col(j).cwiseAbs2() / std::max(shapes.col(j).squaredNorm(), 1e-300);
+  std::vector<int> out(index(shapes.rows()));
+  std::iota(out.begin(), out.end(), 0);
+  if (out.size() <= kPairedCandidates) return out;
+  std::ranges::stable_sort(out, [&](int a, int b) {
+    const double cost_a = costs.empty() ? 0.0 : costs[index(a)];
+    const double cost_b = costs.empty() ? 0.0 : costs[index(b)];
+    return std::pair(cost_a, -energy[a]) < std::pair(cost_b, -energy[b]);
+  });
+  out.resize(kPairedCandidates);
+  std::ranges::sort(out);
+  return out;
 }
 
 struct DetectionPoint {
@@ -172,14 +196,7 @@ std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
               estimate(detected), model < 0 ? TestEstimate{kNaN, kNaN} : estimate(right)});
       return detected / options.tests;
     };
-    int certain = 0;
-    for (std::size_t i = 0; i < severities.size(); ++i) {
-      if (certain < 2) {
-        certain = simulate(i, 0.0, i) == 1.0 ? certain + 1 : 0;
-      } else {
-        insert(found, i, {severities[i], estimate(options.tests), found.right.back()});
-      }
-    }
+    for (std::size_t i = 0; i < severities.size(); ++i) simulate(i, 0.0, i);
     // Bisection of the interval in which P(detected) reaches kWanted.
     for (std::size_t i = 1; i < severities.size(); ++i) {
       if (found.detection[i].value < kWanted) continue;
@@ -330,13 +347,14 @@ Separations find_separations(const PlannedStructure& structure, const PlacePredi
     std::ranges::sort(o.design.sensors);
     options.push_back(std::move(o));
   };
-  for (int c = 0; c < candidates; ++c) {
-    if (has(c)) continue;
-    if (!design.sensors.empty()) {
-      add({c});
-      continue;
-    }
-    for (int d = c + 1; d < candidates; ++d) add({c, d});
+  if (design.sensors.empty()) {
+    const std::vector<int> some_candidates = paired_candidates(structure, costs);
+    for (std::size_t c = 0; c < some_candidates.size(); ++c)
+      for (std::size_t d = c + 1; d < some_candidates.size(); ++d)
+        add({some_candidates[c], some_candidates[d]});
+  } else {
+    for (int c = 0; c < candidates; ++c)
+      if (!has(c)) add({c});
   }
   for (int m = 0; m < static_cast<int>(structure.masses().size()); ++m) {
     if (design.mass >= 0) break;

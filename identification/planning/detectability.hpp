@@ -33,8 +33,7 @@ struct DetectabilityOptions {
 };
 
 /// Simulates tests at every place and quantile of the severity. Four bisections add severities
-/// where P(detected) reaches 0.9. If every test at two successive severities detects the defect,
-/// the function assumes detection at all larger severities.
+/// where P(detected) reaches 0.9.
 [[nodiscard]] std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                                                             const PlacePredictions& predictions,
                                                             const PreparedDesign& design,
@@ -84,7 +83,8 @@ struct Separation {
 /// that distinguish the most pairs (within 5 %): the cheapest change, or the largest distances at
 /// equal cost. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors;
 /// other designs get one. `costs`: per candidate; empty: equal costs. A result is empty if no
-/// change distinguishes a pair.
+/// change distinguishes a pair. Pairs of additional sensors are among at most 32 candidates: those
+/// with the lowest costs and, at equal costs, the largest Σ φ² over the modes.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

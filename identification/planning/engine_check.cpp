@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <numeric>
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
@@ -17,8 +19,6 @@ using Eigen::Index;
 
 /// Fewest local searches for each model.
 constexpr int kSearches = 200;
-/// First number of the checked tests; scores and searches use smaller numbers.
-constexpr std::uint64_t kFirst = std::uint64_t{1} << 40;
 
 /// A location: part of a line of sites, and position on this part [m].
 struct Spot {
@@ -75,10 +75,13 @@ bool right_places(const DamageProblem& problem, const inference::Posterior& post
 }
 
 /// ln π at the true damage, minus that at the highest mode that the search found in the true model.
-double gain_of_truth(const std::vector<DefectKind>& kinds, const DamageProblem& problem,
+double gain_of_truth(const PlannedStructure& structure, const DamageProblem& problem,
                      const inference::Posterior& posterior, const Scenario& scenario) {
   const int model = scenario.truth.model;
+  const std::vector<DefectKind>& kinds = structure.kinds();
   std::vector<double> z;
+  if (scenario.draw >= 0)
+    for (const double coordinate : structure.unknown_draw(scenario.draw)) z.push_back(coordinate);
   for (const PlacedDefect& d : scenario.defects) {
     const DefectKind& kind = kinds[index(d.kind)];
     z.push_back(kind.location.to_standard_normal(d.location));
@@ -122,6 +125,22 @@ TestEstimate weighted_difference(const std::vector<NormalModel>& models,
 
 }  // namespace
 
+namespace {
+
+/// The measured modes as the only state of a structure with unknown coefficients.
+MeasuredModes with_unknowns(const PlannedStructure& structure, ModalData modal) {
+  ObservedStates states{.model = structure.options().unknown,
+                        .unknown = std::vector<int>(index(structure.unknowns())),
+                        .uniform = structure.options().uniform};
+  std::iota(states.unknown.begin(), states.unknown.end(), 0);
+  states.list.push_back({.name = "damaged", .data = std::move(modal), .damaged = true});
+  ModalData joined = states.joined();
+  return MeasuredModes(std::make_shared<const ObservedStates>(std::move(states)),
+                       std::move(joined));
+}
+
+}  // namespace
+
 DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
                           const TestDesign& design, const Scenario& scenario) {
   const PlannedStructure& structure = source.structure();
@@ -134,7 +153,8 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
   std::vector<double> hz(index(n)), sd(index(n));
   for (Index i = 0; i < n; ++i) {
     const double f = std::exp(logs[i]);
-    const double cov = plan.noise.frequency_cov(std::exp(structure.intact().in_order[i]));
+    const double cov =
+        plan.noise.frequency_cov(std::exp(structure.intact().in_order[i]), static_cast<int>(i));
     hz[index(i)] = f * (1.0 + cov * numbers.frequencies[i]);
     sd[index(i)] = cov * f;
   }
@@ -146,6 +166,17 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
     for (Index i = 0; i < n; ++i) {
       out.data.frequencies_hz[index(structure.chosen()[index(i)])] = hz[index(i)];
       out.data.sd_hz[index(structure.chosen()[index(i)])] = sd[index(i)];
+    }
+    if (structure.unknowns() > 0) {
+      const std::vector<double>& sds = out.data.sd_hz;
+      ModalData modal;
+      modal.frequencies_hz = out.data.frequencies_hz;
+      modal.covariance =
+          Eigen::MatrixXd::Zero(static_cast<Index>(sds.size()), static_cast<Index>(sds.size()));
+      for (std::size_t i = 0; i < sds.size(); ++i)
+        modal.covariance(static_cast<Index>(i), static_cast<Index>(i)) =
+            std::isnan(sds[i]) ? 1.0 : sds[i] * sds[i];
+      out.measured = with_unknowns(structure, std::move(modal));
     }
     return out;
   }
@@ -160,14 +191,15 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
     const Eigen::VectorXd shape = data.measured_shape(scenario.modes, numbers, static_cast<int>(i));
     // The likelihood expects the covariance for a largest measured entry of 1.
     const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
-    const double shape_sd = plan.noise.shape_sd_now() / largest;
+    const double shape_sd = plan.noise.shape_sd_now(static_cast<int>(i)) / largest;
     modal.shapes.row(i) = shape.transpose() / largest;
     if (!data.has_shape(static_cast<int>(i))) modal.shapes.row(i).setConstant(kNaN);
     modal.shape_covariances.push_back(shape_sd * shape_sd * Eigen::MatrixXd::Identity(m, m));
   }
   out.data.frequencies_hz = hz;
   out.data.sd_hz = sd;
-  out.measured = MeasuredModes(std::move(modal));
+  out.measured = structure.unknowns() > 0 ? with_unknowns(structure, std::move(modal))
+                                          : MeasuredModes(std::move(modal));
   return out;
 }
 
@@ -178,7 +210,7 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
   const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
   const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
   EngineOutcome out;
-  out.truth_gain = gain_of_truth(source.structure().kinds(), *problem, posterior, scenario);
+  out.truth_gain = gain_of_truth(source.structure(), *problem, posterior, scenario);
   double most = -1.0;
   for (int m = 0; m < static_cast<int>(source.models().size()); ++m) {
     const double p = posterior.probability(m).value;
@@ -207,7 +239,7 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
   double squares = 0.0, weights = 0.0;
   for (int i = 0; i < count; ++i) {
     if (progress) progress(static_cast<double>(i) / count);
-    const std::uint64_t number = kFirst + static_cast<std::uint64_t>(i);
+    const std::uint64_t number = kFirstCheck + static_cast<std::uint64_t>(i);
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;

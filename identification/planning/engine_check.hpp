@@ -37,6 +37,8 @@ struct CheckedTest {
 
 /// A run of the engine with a larger `truth_gain` [nats] missed the true damage.
 inline constexpr double kMissed = 3.0;
+/// First number of the checked tests; scores and searches use smaller numbers.
+inline constexpr std::uint64_t kFirstCheck = std::uint64_t{1} << 40;
 
 /// Differences for the same tests, engine minus approximation: of P(detected) and P(right place),
 /// both given at least one defect. Also the root mean square difference of P(at least one defect |

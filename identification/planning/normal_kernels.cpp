@@ -90,34 +90,215 @@ WHEELTAP_VECTOR_CLONES double sum_of_slices(const Slices& s) {
 WHEELTAP_VECTOR_CLONES float screen(const PairRow& row, float square, float* weight, float* extra) {
   using V [[gnu::vector_size(4 * kPairLanes)]] = float;
   const V zero = V{};
-  V most = zero - std::numeric_limits<float>::infinity();
-  const float ga = row.amplitude;
+  constexpr float kLowest = -std::numeric_limits<float>::infinity();
+  V most = zero + kLowest;
+  const float ga = row.amplitude, wa = row.bend;
   for (std::size_t i = 0; i < row.size; i += kPairLanes) {
-    V gb, rho, inverse, log_weight, interaction;
+    V gb, wb, slope, rho, inverse, log_weight, interaction;
+    std::memcpy(&wb, row.bends + i, sizeof(V));
+    std::memcpy(&slope, row.slopes + i, sizeof(V));
     std::memcpy(&gb, row.amplitudes + i, sizeof(V));
     std::memcpy(&rho, row.correlation + i, sizeof(V));
     std::memcpy(&inverse, row.inverse + i, sizeof(V));
     std::memcpy(&log_weight, row.log_weight + i, sizeof(V));
     std::memcpy(&interaction, row.interaction + i, sizeof(V));
-    V one = gb > ga ? gb : zero + ga;
-    one = one > zero ? one : zero;
-    const V ca = (ga - rho * gb) * inverse, cb = (gb - rho * ga) * inverse;
+    V limit_b;
+    std::memcpy(&limit_b, row.limits + i, sizeof(V));
+    // One defect: the largest exponent c g - c²/2 for 0 <= c <= limit.
+    V one_a = zero + ga, one_b = gb > zero ? gb : zero;
+    one_a = one_a > zero ? one_a : zero;
+    const V free_a = 0.5F * one_a * one_a, free_b = 0.5F * one_b * one_b;
+    one_a = one_a < row.limit ? one_a : zero + row.limit;
+    one_b = one_b < limit_b ? one_b : limit_b;
+    const V single_a = one_a * (ga - 0.5F * one_a), single_b = one_b * (gb - 0.5F * one_b);
+    const V single = single_a > single_b ? single_a : single_b;
+    V most_free = free_a > free_b ? free_a : free_b;
+    V ca = (ga - rho * gb) * inverse, cb = (gb - rho * ga) * inverse;
     const auto both = (ca > zero) & (cb > zero);
-    const V single = 0.5F * one * one, pair = 0.5F * (ca * ga + cb * gb);
+    const V free_pair = both ? 0.5F * (ca * ga + cb * gb) : zero;
+    most_free = free_pair > most_free ? free_pair : most_free;
+    ca = both ? (ca < row.limit ? ca : zero + row.limit) : one_a;
+    cb = both ? (cb < limit_b ? cb : limit_b) : one_b;
+    const V pair = ca * ga + cb * gb - 0.5F * (ca * ca + cb * cb) - rho * ca * cb;
     const V best = both & (pair > single) ? pair : single;
     const V kappa = both ? ca * cb * interaction : zero;
     V residual = 0.5F * square - best;
     residual = residual > zero ? residual : zero;
     const V gain = kappa * (4.0F + 0.5F * kappa);
-    const V more = gain < residual ? gain : residual;
-    const V w = best + log_weight;
-    most = w > most ? w : most;
+    V more = gain < residual ? gain : residual;
+    V inverses[kSymmetric];
+    for (std::size_t k = 0; k < kSymmetric; ++k)
+      std::memcpy(&inverses[k], row.gram_inverse + k * row.stride + i, sizeof(V));
+    const V free =
+        ga * (0.5F * ga * inverses[0] + wa * inverses[1] + gb * inverses[2] + wb * inverses[3]) +
+        wa * (0.5F * wa * inverses[4] + gb * inverses[5] + wb * inverses[6]) +
+        gb * (0.5F * gb * inverses[7] + wb * inverses[8]) + 0.5F * wb * wb * inverses[9];
+    V u = free - most_free;
+    u = u > zero ? u : zero;
+    const V deviation = ca * row.slope + cb * slope;
+    // d √(2 u) <= λ d²/2 + u/λ, with equality for λ = √(2 u)/d: λ = 2, 8, 32 and 128.
+    const V square_d = deviation * deviation;
+    V limit = u;
+    for (const float lambda : {2.0F, 8.0F, 32.0F, 128.0F}) {
+      const V one_limit = 0.5F * lambda * square_d + u * (1.0F / lambda);
+      limit = one_limit < limit ? one_limit : limit;
+    }
+    more += limit + (most_free - best);
+    const V w = best + log_weight, certain = more < kSmallChange ? w : zero + kLowest;
+    most = certain > most ? certain : most;
     std::memcpy(weight + i, &w, sizeof(V));
     std::memcpy(extra + i, &more, sizeof(V));
   }
   float top = most[0];
   for (std::size_t i = 1; i < kPairLanes; ++i) top = most[i] > top ? most[i] : top;
   return top;
+}
+
+/// See exponentials. 2ᵏ times the Taylor polynomial of exp(r), degree 6, |r| <= ½ ln 2.
+WHEELTAP_VECTOR_CLONES void exponentials_of(float* values, std::size_t size, float most) {
+  using V [[gnu::vector_size(4 * kPairLanes)]] = float;
+  using Bits = decltype(V{} < V{});
+  constexpr float kShift = 12582912.0F;  // 1.5·2²³: stores the nearest integer in the low bits
+  for (std::size_t i = 0; i < size; i += kPairLanes) {
+    V x;
+    std::memcpy(&x, values + i, sizeof(V));
+    x -= most;
+    x = x > -80.0F ? x : V{} - 80.0F;
+    const V shifted = x * 1.44269504F + kShift;
+    const V k = shifted - kShift;
+    const V r = (x - k * 0.693359375F) + k * 2.12194440e-4F;
+    V p = r * (1.0F / 720.0F) + 1.0F / 120.0F;
+    for (const float c : {1.0F / 24.0F, 1.0F / 6.0F, 0.5F, 1.0F, 1.0F}) p = p * r + c;
+    const V out = (V)((Bits)p + ((Bits)shifted << 23));
+    std::memcpy(values + i, &out, sizeof(V));
+  }
+}
+
+/// See scalar_product.
+WHEELTAP_VECTOR_CLONES float product_of(const float* x, const float* y, std::size_t size) {
+  using V [[gnu::vector_size(4 * kPairLanes)]] = float;
+  V sum = V{};
+  for (std::size_t i = 0; i < size; i += kPairLanes) {
+    V a, b;
+    std::memcpy(&a, x + i, sizeof(V));
+    std::memcpy(&b, y + i, sizeof(V));
+    sum += a * b;
+  }
+  float out = 0.0F;
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane) out += sum[lane];
+  return out;
+}
+
+template <class V>
+[[gnu::always_inline]] inline V clamped(V x, V high) {
+  x = x > V{} ? x : V{};
+  return x < high ? x : high;
+}
+
+/// See fit_curved_pairs.
+WHEELTAP_VECTOR_CLONES void fit_curved(const CurvedPairs& pairs, float square, float* exponent,
+                                       float* extra) {
+  using V [[gnu::vector_size(4 * kPairLanes)]] = float;
+  for (std::size_t i = 0; i < pairs.size; i += kPairLanes) {
+    V in[CurvedPairs::count];
+    for (std::size_t k = 0; k < CurvedPairs::count; ++k)
+      std::memcpy(&in[k], pairs.arrays + k * pairs.stride + i, sizeof(V));
+    const V va = in[CurvedPairs::v_a], wa = in[CurvedPairs::w_a], vb = in[CurvedPairs::v_b],
+            wb = in[CurvedPairs::w_b], la = in[CurvedPairs::limit_a], lb = in[CurvedPairs::limit_b],
+            alpha = in[CurvedPairs::alpha_a], beta = in[CurvedPairs::alpha_b],
+            tau_a = in[CurvedPairs::tau_a], tau_b = in[CurvedPairs::tau_b],
+            rho = in[CurvedPairs::rho], vw = in[CurvedPairs::vw], wv = in[CurvedPairs::wv],
+            ww = in[CurvedPairs::ww];
+    V inverse = 1.0F - rho * rho;
+    inverse = 1.0F / (inverse > 1e-4F ? inverse : V{} + 1e-4F);
+    V a = clamped<V>((va - rho * vb) * inverse, la), b = clamped<V>(vb - rho * a, lb);
+    a = clamped<V>(va - rho * b, la);
+    constexpr int kSteps = 3;
+    for (int step = 0; step < kSteps; ++step) {
+      const V xa = alpha * a * (a - tau_a), sa = alpha * (2.0F * a - tau_a);
+      const V xb = beta * b * (b - tau_b), sb = beta * (2.0F * b - tau_b);
+      // Products of v and w of both places with the residual.
+      const V rest_va = va - a - rho * b - vw * xb, rest_wa = wa - xa - wv * b - ww * xb;
+      const V rest_vb = vb - b - rho * a - wv * xa, rest_wb = wb - xb - vw * a - ww * xa;
+      const V ga = rest_va + sa * rest_wa, gb = rest_vb + sb * rest_wb;
+      const V haa = 1.0F + sa * sa, hbb = 1.0F + sb * sb;
+      const V hab = rho + vw * sb + wv * sa + ww * sa * sb;
+      V det = haa * hbb - hab * hab;
+      det = det > 1e-4F * haa * hbb ? det : 1e-4F * haa * hbb;
+      const V to_a = clamped<V>(a + (ga * hbb - gb * hab) / det, la);
+      const V to_b = clamped<V>(b + (gb - hab * (to_a - a)) / hbb, lb);
+      a = clamped<V>(a + (ga - hab * (to_b - b)) / haa, la);
+      b = to_b;
+    }
+    const V xa = alpha * a * (a - tau_a), xb = beta * b * (b - tau_b);
+    const V best = a * va + xa * wa + b * vb + xb * wb -
+                   0.5F * (a * a + xa * xa + b * b + xb * xb) - rho * a * b - vw * a * xb -
+                   wv * xa * b - ww * xa * xb;
+    V residual = square - 2.0F * best;  // r²
+    residual = residual > 1e-6F ? residual : V{} + 1e-6F;
+    const V kappa = a * b * in[CurvedPairs::interaction];
+    V gain = kappa * (4.0F + 0.5F * kappa);
+    gain = gain < 0.5F * residual ? gain : 0.5F * residual;
+    // d r <= λ d²/2 + r²/(2 λ); λ = 1 gives r²/2 or more.
+    const V d = a * in[CurvedPairs::slope_a] + b * in[CurvedPairs::slope_b];
+    V more = 0.5F * residual;
+    for (const float lambda : {2.0F, 8.0F, 32.0F, 128.0F, 512.0F}) {
+      const V limit = 0.5F * lambda * d * d + residual * (0.5F / lambda);
+      more = limit < more ? limit : more;
+    }
+    more += gain;
+    std::memcpy(exponent + i, &best, sizeof(V));
+    std::memcpy(extra + i, &more, sizeof(V));
+  }
+}
+
+/// See products_with_tile.
+WHEELTAP_VECTOR_CLONES void tile_products(const double* tile, std::size_t rows,
+                                          const double* columns, std::size_t count, double* out,
+                                          std::size_t out_stride) {
+  using V [[gnu::vector_size(32)]] = double;
+  static_assert(kTile == 8);
+  std::size_t c = 0;
+  for (; c + 4 <= count; c += 4) {
+    const double* const x = columns + c * rows;
+    V a0 = V{}, a1 = V{}, b0 = V{}, b1 = V{}, c0 = V{}, c1 = V{}, d0 = V{}, d1 = V{};
+    for (std::size_t r = 0; r < rows; ++r) {
+      V low, high;
+      std::memcpy(&low, tile + r * kTile, sizeof(V));
+      std::memcpy(&high, tile + r * kTile + 4, sizeof(V));
+      a0 += low * x[r];
+      a1 += high * x[r];
+      b0 += low * x[rows + r];
+      b1 += high * x[rows + r];
+      c0 += low * x[2 * rows + r];
+      c1 += high * x[2 * rows + r];
+      d0 += low * x[3 * rows + r];
+      d1 += high * x[3 * rows + r];
+    }
+    double* to = out + c * out_stride;
+    const auto store = [&](const V& low, const V& high) __attribute__((always_inline)) {
+      std::memcpy(to, &low, sizeof(V));
+      std::memcpy(to + 4, &high, sizeof(V));
+      to += out_stride;
+    };
+    store(a0, a1);
+    store(b0, b1);
+    store(c0, c1);
+    store(d0, d1);
+  }
+  for (; c < count; ++c) {
+    const double* const x = columns + c * rows;
+    V low_sum = V{}, high_sum = V{};
+    for (std::size_t r = 0; r < rows; ++r) {
+      V low, high;
+      std::memcpy(&low, tile + r * kTile, sizeof(V));
+      std::memcpy(&high, tile + r * kTile + 4, sizeof(V));
+      low_sum += low * x[r];
+      high_sum += high * x[r];
+    }
+    std::memcpy(out + c * out_stride, &low_sum, sizeof(V));
+    std::memcpy(out + c * out_stride + 4, &high_sum, sizeof(V));
+  }
 }
 
 double value_at(const Quadratic& q, double x, double y) {
@@ -195,6 +376,10 @@ double log_normal_integral(double b, double h, double low, double high) {
                   (fall > -40.0 ? std::exp(fall) * scaled_erfc<double>(far) : 0.0));
 }
 
+double value_at(const Quadratic& q, const std::array<double, 2>& point) {
+  return q.constant + value_at(q, point[0], point[1]);
+}
+
 std::array<double, 2> best_point(const Quadratic& q, const Rectangle& r) {
   const double det = q.hxx * q.hyy - q.hxy * q.hxy;
   if (det > 1e-12 * q.hxx * q.hyy) {
@@ -256,6 +441,23 @@ double log_integral(const Quadratic& q, const Rectangle& r, const std::array<dou
 
 float screen_pairs(const PairRow& row, float square, float* weight, float* extra) {
   return screen(row, square, weight, extra);
+}
+
+void exponentials(float* values, std::size_t size, float most) {
+  exponentials_of(values, size, most);
+}
+
+float scalar_product(const float* x, const float* y, std::size_t size) {
+  return product_of(x, y, size);
+}
+
+void fit_curved_pairs(const CurvedPairs& pairs, float square, float* exponent, float* extra) {
+  fit_curved(pairs, square, exponent, extra);
+}
+
+void products_with_tile(const double* tile, std::size_t rows, const double* columns,
+                        std::size_t count, double* out, std::size_t out_stride) {
+  tile_products(tile, rows, columns, count, out, out_stride);
 }
 
 }  // namespace wheeltap::identification::planning

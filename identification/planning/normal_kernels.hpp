@@ -21,6 +21,9 @@ struct Rectangle {
 /// The point of the rectangle with the largest value.
 [[nodiscard]] std::array<double, 2> best_point(const Quadratic& q, const Rectangle& r);
 
+/// q at a point.
+[[nodiscard]] double value_at(const Quadratic& q, const std::array<double, 2>& point);
+
 /// ln ∫∫ exp(q) over the rectangle; `best` is its best point. The integral has a closed form if the
 /// normal density of one variable is inside the rectangle at all relevant values of the other one.
 /// Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre quadrature along x
@@ -31,26 +34,94 @@ struct Rectangle {
 /// Number of pairs that one instruction processes.
 inline constexpr std::size_t kPairLanes = 8;
 
+/// Number of different entries of a symmetric matrix of order 4.
+inline constexpr std::size_t kSymmetric = 10;
+
 /// Pairs of one place a with several places b. All arrays have a multiple of kPairLanes entries.
 struct PairRow {
   float amplitude;           ///< y · v_a, v_a the unit direction of place a
+  float bend;                ///< y · w_a, w_a the direction in which place a deviates from v_a
+  float slope;               ///< largest deviation of place a in units of the amplitude
+  float limit;               ///< largest amplitude of place a
   const float* amplitudes;   ///< y · v_b
+  const float* bends;        ///< y · w_b
+  const float* slopes;       ///< slope of each place b
+  const float* limits;       ///< limit of each place b
   const float* correlation;  ///< ρ = v_a · v_b
   const float* inverse;      ///< 1 / (1 - ρ²)
   const float* log_weight;   ///< added to the largest exponent
   const float* interaction;  ///< |I| / (|Δ_a| |Δ_b|), 0 for no interaction
+  /// G⁻¹, G the scalar products of v_a, w_a, v_b and w_b: entries (0, 0), (0, 1), … (3, 3) of the
+  /// upper triangle, each in an array of its own, `stride` apart.
+  const float* gram_inverse;
+  std::size_t stride;
   std::size_t size;
 };
 
-/// weight = ln of the approximate weight of each pair without the interaction: the largest exponent
-/// over the amplitudes c_a, c_b >= 0 along both directions, plus log_weight. κ = |I| c_a c_b /
-/// (|Δ_a| |Δ_b|) is the size of the interaction and r the norm of the residual. The interaction may
-/// increase the exponent by
+/// If interaction, curvature and bounds change the exponent of a pair by less, its weight omits
+/// them.
+inline constexpr float kSmallChange = 0.3F;
+
+/// Computes the ln of the approximate weight of each pair: `log_weight` plus the exponent at
+/// amplitudes c between 0 and `limit` along both directions. `extra` is an approximate upper bound
+/// of the increase of the exponent by better amplitudes, interaction and curvature:
 ///
-///   extra = min(r²/2, κ²/2 + 4 κ),
-/// and more with probability 3e-5 if the interaction
-/// describes the residual. `square` = |y|². Returns the
-/// largest weight.
+///   extra = f + min(r²/2, κ²/2 + 4 κ) + min(u, d √(2 u)).
+///
+/// Without limits of the amplitudes, the exponent increases by f. The interaction has the size κ =
+/// |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. The second term is exceeded with
+/// probability 3e-5 if the interaction describes the residual. If both places may deviate freely
+/// along w_a and w_b, the exponent increases by u. The largest possible deviation is d = c_a
+/// slope_a
+/// + c_b slope_b. `square` = |y|². Returns the largest weight of the pairs with `extra` below
+/// kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
+
+/// Pairs of places with curved lines of effects c v + α c (c - τ) w, 0 <= c <= limit, as arrays of
+/// `stride` entries in this order, with a multiple of kPairLanes used entries.
+struct CurvedPairs {
+  enum Array {
+    v_a,  ///< y · v_a
+    w_a,  ///< y · w_a
+    limit_a,
+    alpha_a,
+    tau_a,
+    slope_a,  ///< largest deviation from the curved line, in units of the amplitude
+    v_b,
+    w_b,
+    limit_b,
+    alpha_b,
+    tau_b,
+    slope_b,
+    rho,          ///< v_a · v_b
+    vw,           ///< v_a · w_b
+    wv,           ///< w_a · v_b
+    ww,           ///< w_a · w_b
+    interaction,  ///< |I| / (|Δ_a| |Δ_b|)
+    count
+  };
+  const float* arrays;
+  std::size_t stride, size;
+};
+
+/// The largest exponent of each pair without interaction, by Gauss-Newton steps from the straight
+/// lines, and an approximate upper bound of its increase by the interaction (as in screen_pairs)
+/// and by the deviations d from the curved lines, min(d r, r²/2). `square` = |y|².
+void fit_curved_pairs(const CurvedPairs& pairs, float square, float* exponent, float* extra);
+
+/// Replaces each of `size` values by exp(value - most), with a relative error below 1e-6; values
+/// below most - 80 become exp(-80). `size` is a multiple of kPairLanes.
+void exponentials(float* values, std::size_t size, float most);
+
+/// The scalar product of vectors of `size` entries, a multiple of kPairLanes.
+[[nodiscard]] float scalar_product(const float* x, const float* y, std::size_t size);
+
+/// Number of vectors in one tile of `products_with_tile`.
+inline constexpr std::size_t kTile = 8;
+/// Scalar products of kTile vectors with `count` columns, both of `rows` entries. `tile` holds
+/// entry r of all vectors, then entry r + 1. `out` + c · `out_stride` receives the products with
+/// column c, which starts at `columns` + c · `rows`.
+void products_with_tile(const double* tile, std::size_t rows, const double* columns,
+                        std::size_t count, double* out, std::size_t out_stride);
 
 }  // namespace wheeltap::identification::planning

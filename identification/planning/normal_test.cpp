@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -18,9 +17,8 @@ namespace {
 
 using Eigen::Index;
 
-/// ln p of neglected terms is this far below the largest term: 32 for places, 18 for pairs.
+/// ln p of neglected terms is this far below the largest term.
 constexpr double kNegligible = 32.0;
-constexpr float kNegligiblePair = 18.0F;
 
 double log_sum(const std::vector<double>& terms) {
   double most = -kInfinity, sum = 0.0;
@@ -30,28 +28,41 @@ double log_sum(const std::vector<double>& terms) {
   return most + std::log(sum);
 }
 
-/// If the interaction of a pair changes the exponent by less, the pair's weight omits it.
-constexpr float kSmallInteraction = 0.3F;
+/// The direction in which the nodes of a place deviate most from its typical direction.
+NormalTest::Bend find_bend(const Eigen::MatrixXd& nodes, const std::vector<double>& along) {
+  NormalTest::Bend out{.of_nodes = Eigen::VectorXd::Zero(nodes.cols())};
+  const Index typical = typical_node(nodes.cols());
+  if (!(along[index(typical)] > 0.0)) return out;
+  // Rounding errors decide on the direction of an effect near 0.
+  const double least = 1e-3 * along[index(typical)];
+  // The largest deviation d; y · d / |d| follows from the products of y with two nodes.
+  double most = 0.0;
+  Index bent = typical;
+  for (Index i = 0; i < nodes.cols(); ++i) {
+    const double deviation =
+        std::sqrt(std::max(0.0, nodes.col(i).squaredNorm() - along[index(i)] * along[index(i)]));
+    if (along[index(i)] > least) out.slope = std::max(out.slope, deviation / along[index(i)]);
+    if (deviation > most) {
+      most = deviation;
+      bent = i;
+    }
+  }
+  if (!(most > 1e-6 * along[index(typical)])) return out;
+  out.of_nodes[bent] = 1.0 / most;
+  out.of_nodes[typical] -= along[index(bent)] / along[index(typical)] / most;
+  const Eigen::VectorXd v = nodes.col(typical) / along[index(typical)], w = nodes * out.of_nodes;
+  out.tau = along[index(typical)];
+  const double apart = along[index(bent)] * (along[index(bent)] - out.tau);
+  out.alpha = std::abs(apart) > 1e-6 * out.tau * out.tau ? most / apart : 0.0;
+  out.rest = 0.0;
+  for (Index i = 0; i < nodes.cols(); ++i)
+    if (const double c = along[index(i)]; c > least)
+      out.rest =
+          std::max(out.rest, (nodes.col(i) - c * v - out.alpha * c * (c - out.tau) * w).norm() / c);
+  return out;
+}
 
 }  // namespace
-
-/// The pairs of a model with two defects, and the constants of their approximate weights. A row has
-/// the pairs of one place a, padded to a multiple of kPairLanes entries.
-struct NormalTest::PairList {
-  struct Row {
-    int a = 0;
-    std::size_t first = 0;   // first entry in the lists of pairs
-    std::size_t count = 0;   // without the padding
-    std::size_t second = 0;  // first place b in `places`
-  };
-  std::vector<int> kinds;
-  std::vector<Row> rows;
-  std::vector<int> places;                  // places b
-  std::vector<float> correlation, inverse;  // ρ of their directions, 1 / (1 - ρ²)
-  std::vector<float> log_weight;            // ln(prior · share of the prior that fits the data)
-  std::vector<float> interaction;           // |I| / (|Δ_a| |Δ_b|)
-  double log_prior = 0.0;                   // ln Σ P(a) P(b) over the pairs
-};
 
 /// A defect at position p along the nodes of a place. Its effect is A = A_i + t (A_{i+1} - A_i)
 /// with slope A'. Members are products of A and A' with the data and with each other, and the
@@ -90,11 +101,18 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
     std::vector<double>& along = along_.emplace_back();
     for (Index i = 0; i < own.cols(); ++i)
       along.push_back(norm > 0.0 ? own.col(i).dot(own.col(typical)) / norm : 0.0);
+    bends_.push_back(find_bend(own, along));
   }
   for (Index i = 0; i < columns; ++i) {
     squares_.push_back(nodes_.col(i).squaredNorm());
     next_products_.push_back(i + 1 < columns ? nodes_.col(i).dot(nodes_.col(i + 1)) : 0.0);
   }
+  const auto height = index(rows), width = index(columns);
+  tiles_.assign((width + kTile - 1) / kTile * kTile * height, 0.0);
+  for (std::size_t c = 0; c < width; ++c)
+    for (std::size_t r = 0; r < height; ++r)
+      tiles_[c / kTile * kTile * height + r * kTile + c % kTile] =
+          nodes_(static_cast<Index>(r), static_cast<Index>(c));
   set_interactions(interactions);
   for (std::size_t m = 0; m < models_.size(); ++m) {
     std::vector<int> kinds;
@@ -105,7 +123,7 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
     for (const int kind : kinds)
       if (std::ranges::none_of(places_, [&](const auto& p) { return p.kind == kind; }))
         throw std::invalid_argument("kind " + std::to_string(kind) + " has no place");
-    if (kinds.size() == 2 && gram_.size() == 0) gram_.noalias() = nodes_.transpose() * nodes_;
+    if (kinds.size() == 2 && gram_.size() == 0) gram_ = products(nodes_);
     pairs_.push_back(kinds.size() == 2 ? list_pairs(kinds) : nullptr);
   }
   if (intact_ < 0) throw std::invalid_argument("no model is without defects");
@@ -114,13 +132,15 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
 void NormalTest::set_interactions(const std::vector<NormalInteraction>& interactions) {
   const auto n = static_cast<Index>(places_.size());
   column_of_.setConstant(n, n, -1);
-  interactions_.resize(nodes_.rows(), static_cast<Index>(interactions.size()));
+  constexpr auto kLanes = static_cast<Index>(kPairLanes);
+  interactions_.setZero((nodes_.rows() + kLanes - 1) / kLanes * kLanes,
+                        static_cast<Index>(interactions.size()));
   int column = 0;
   for (const NormalInteraction& one : interactions) {
     const double norms = typical_norm_[index(one.a)] * typical_norm_[index(one.b)];
     if (!(norms > 0.0)) continue;
     column_of_(one.a, one.b) = column;
-    interactions_.col(column) = one.data;
+    interactions_.col(column).head(one.data.size()) = one.data.cast<float>();
     interaction_square_.push_back(one.data.squaredNorm());
     interaction_first_.push_back(interaction_nodes_.size());
     for (const int place : {one.a, one.b})
@@ -130,67 +150,36 @@ void NormalTest::set_interactions(const std::vector<NormalInteraction>& interact
   }
 }
 
-std::shared_ptr<const NormalTest::PairList> NormalTest::list_pairs(
-    const std::vector<int>& kinds) const {
-  auto list = std::make_shared<PairList>();
-  list->kinds = kinds;
-  for (std::size_t b = 0; b < places_.size(); ++b)
-    if (places_[b].kind == kinds[1]) list->places.push_back(static_cast<int>(b));
-  double sum = 0.0;
-  std::size_t before = 0;  // number of places of kind 1 up to and including place a
-  for (std::size_t a = 0; a < places_.size(); ++a) {
-    if (places_[a].kind != kinds[0]) continue;
-    if (kinds[0] == kinds[1]) ++before;
-    PairList::Row row{
-        .a = static_cast<int>(a), .first = list->correlation.size(), .second = before};
-    for (std::size_t k = before; k < list->places.size(); ++k) {
-      const auto b = index(list->places[k]);
-      const double prior = places_[a].prior * places_[b].prior;
-      const double norms = typical_norm_[a] * typical_norm_[b];
-      const double rho = norms > 0.0 ? gram_(typical_[a], typical_[b]) / norms : 0.0;
-      const double room = std::max(1.0 - rho * rho, 1e-4);
-      const auto share = [&](double top) {
-        return std::log(std::min(1.0, 2.5 / std::max(top, 1e-9)));
-      };
-      list->correlation.push_back(static_cast<float>(rho));
-      list->inverse.push_back(static_cast<float>(1.0 / room));
-      list->log_weight.push_back(static_cast<float>(std::log(prior) + share(along_[a].back()) +
-                                                    share(along_[b].back() * std::sqrt(room))));
-      const int column = column_of_(static_cast<Index>(a), static_cast<Index>(b));
-      list->interaction.push_back(
-          column < 0 ? 0.0F
-                     : static_cast<float>(std::sqrt(interaction_square_[index(column)]) / norms));
-      sum += prior;
-      ++row.count;
-    }
-    while (list->correlation.size() % kPairLanes != 0) {
-      list->correlation.push_back(0.0F);
-      list->inverse.push_back(1.0F);
-      list->log_weight.push_back(-std::numeric_limits<float>::infinity());
-      list->interaction.push_back(0.0F);
-    }
-    if (row.count > 0) list->rows.push_back(row);
-  }
-  if (list->rows.empty()) throw std::invalid_argument("two defects need two places; there is one");
-  list->log_prior = std::log(sum);
-  return list;
-}
-
 Eigen::MatrixXd NormalTest::products(const Eigen::MatrixXd& data) const {
-  return nodes_.transpose() * data;
+  const Index rows = nodes_.rows(), columns = nodes_.cols(), count = data.cols();
+  constexpr auto kWidth = static_cast<Index>(kTile);
+  Eigen::MatrixXd out(columns, count), rest;
+  for (Index first = 0; first < columns; first += kWidth) {
+    const double* const tile = tiles_.data() + first * rows;
+    if (first + kWidth <= columns) {
+      products_with_tile(tile, index(rows), data.data(), index(count), out.data() + first,
+                         index(columns));
+    } else {
+      rest.resize(kWidth, count);
+      products_with_tile(tile, index(rows), data.data(), index(count), rest.data(), kTile);
+      out.bottomRows(columns - first) = rest.topRows(columns - first);
+    }
+  }
+  return out;
 }
 
-double NormalTest::interaction_product(const Measured& measured, Index column) const {
-  return column < 0 ? 0.0
-                    : interactions_.col(column).dot(
-                          Eigen::Map<const Eigen::VectorXd>(measured.data, nodes_.rows()));
+double NormalTest::interaction_product(const float* data, Index column) const {
+  return column < 0
+             ? 0.0
+             : scalar_product(interactions_.col(column).data(), data, index(interactions_.rows()));
 }
 
-double NormalTest::log_pair_prior(int model, int a, int b) const {
-  const PairList& list = *pairs_[index(model)];
-  if (places_[index(a)].kind != list.kinds[0] || places_[index(b)].kind != list.kinds[1])
-    return -kInfinity;
-  return std::log(places_[index(a)].prior) + std::log(places_[index(b)].prior) - list.log_prior;
+const float* NormalTest::single_precision(const Measured& measured) const {
+  thread_local std::vector<float> data;
+  data.assign(std::max(index(interactions_.rows()), index(nodes_.rows())), 0.0F);
+  for (std::size_t r = 0; r < index(nodes_.rows()); ++r)
+    data[r] = static_cast<float>(measured.data[r]);
+  return data.data();
 }
 
 double NormalTest::log_place(const double* products, int a) const {
@@ -215,7 +204,9 @@ double NormalTest::log_place(const double* products, int a) const {
 }
 
 double NormalTest::log_pair(const Measured& measured, int a, int b) const {
-  return pair_evidence(measured.products, a, b, interaction_product(measured, column_of_(a, b)));
+  return fit_pair(measured.products, a, b,
+                  interaction_product(single_precision(measured), column_of_(a, b)))
+      .log_evidence();
 }
 
 NormalTest::Position NormalTest::position(const double* products, int place, double p) const {
@@ -241,7 +232,7 @@ NormalTest::Position NormalTest::position(const double* products, int place, dou
 }
 
 /// `mixed` = y · I. All quantities follow from products of nodes, interaction and data.
-double NormalTest::pair_evidence(const double* products, int a, int b, double mixed) const {
+NormalTest::Fit NormalTest::fit_pair(const double* products, int a, int b, double mixed) const {
   const auto segments = [&](int place) {
     return static_cast<double>(along_[index(place)].size() - 1);
   };
@@ -322,126 +313,7 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
     pa = to_a;
     pb = to_b;
   }
-  return log_integral(q, r, best) - std::log(std::max(sa, 1.0) * std::max(sb, 1.0));
-}
-
-/// The largest exponent over the amplitudes of one defect, or of two defects that interact.
-double NormalTest::interacting_exponent(int a, int b, Index column, double ga, double gb,
-                                        double rho, double mixed) const {
-  const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
-  const double* const with_a = interaction_nodes_.data() + interaction_first_[index(column)];
-  const double* const with_b = with_a + along_[index(a)].size();
-  const double ia = with_a[typical_[index(a)] - first_[index(a)]] / na;
-  const double ib = with_b[typical_[index(b)] - first_[index(b)]] / nb;
-  const double room = std::max(1.0 - rho * rho, 1e-4);
-  double ca = std::max(0.0, (ga - rho * gb) / room), cb = std::max(0.0, (gb - rho * ga) / room);
-  for (int step = 0; step < 3; ++step) {
-    const double by = ca / na * cb / nb, fa = ga - by * ia, fb = gb - by * ib;
-    ca = std::max(0.0, (fa - rho * fb) / room);
-    cb = std::max(0.0, (fb - rho * fa) / room);
-  }
-  const double by = ca / na * cb / nb;
-  const double two = ca * ga + cb * gb + by * mixed -
-                     0.5 * (ca * ca + cb * cb + by * by * interaction_square_[index(column)]) -
-                     rho * ca * cb - by * (ca * ia + cb * ib);
-  const double one = std::max({0.0, ga, gb});
-  return std::max(0.5 * one * one, two);
-}
-
-void NormalTest::add_pairs(const Measured& measured, const PairList& list,
-                           std::vector<Pair>& out) const {
-  out.clear();
-  const std::size_t n = list.correlation.size();
-  thread_local std::vector<float> amplitude, second, weight, extra;
-  amplitude.resize(places_.size());
-  second.assign(list.places.size() + kPairLanes, 0.0F);
-  weight.resize(n);
-  extra.resize(n);
-  for (std::size_t a = 0; a < places_.size(); ++a)
-    amplitude[a] =
-        typical_norm_[a] > 0.0
-            ? static_cast<float>(measured.products[index(typical_[a])] / typical_norm_[a])
-            : 0.0F;
-  for (std::size_t k = 0; k < list.places.size(); ++k) second[k] = amplitude[index(list.places[k])];
-  const auto square = static_cast<float>(
-      Eigen::Map<const Eigen::VectorXd>(measured.data, nodes_.rows()).squaredNorm());
-  float most = -std::numeric_limits<float>::infinity();
-  for (const PairList::Row& row : list.rows)
-    most = std::max(most,
-                    screen_pairs({.amplitude = amplitude[index(row.a)],
-                                  .amplitudes = second.data() + row.second,
-                                  .correlation = list.correlation.data() + row.first,
-                                  .inverse = list.inverse.data() + row.first,
-                                  .log_weight = list.log_weight.data() + row.first,
-                                  .interaction = list.interaction.data() + row.first,
-                                  .size = (row.count + kPairLanes - 1) / kPairLanes * kPairLanes},
-                                 square, weight.data() + row.first, extra.data() + row.first));
-  // Pairs with a relevant weight. The weight includes the interaction if this changes the weight.
-  struct Candidate {
-    int a = 0, b = 0;
-    double weight = 0.0;  // at first ln of the weight
-    double mixed = kNaN;  // y · I, if known
-  };
-  thread_local std::vector<Candidate> alive;
-  alive.clear();
-  for (const PairList::Row& row : list.rows)
-    for (std::size_t k = 0; k < row.count; ++k) {
-      const std::size_t i = row.first + k;
-      if (!(weight[i] + extra[i] > most - kNegligiblePair)) continue;
-      Candidate c{.a = row.a, .b = list.places[row.second + k], .weight = weight[i]};
-      if (extra[i] > kSmallInteraction) {
-        const Index column = column_of_(c.a, c.b);
-        c.mixed = interaction_product(measured, column);
-        c.weight = list.log_weight[i] +
-                   interacting_exponent(c.a, c.b, column, amplitude[index(c.a)],
-                                        amplitude[index(c.b)], list.correlation[i], c.mixed);
-      }
-      most = std::max(most, static_cast<float>(c.weight));
-      alive.push_back(c);
-    }
-  std::erase_if(alive, [&](const Candidate& c) { return c.weight < most - kNegligiblePair; });
-  double sum = 0.0;
-  for (Candidate& c : alive) {
-    c.weight = std::exp(c.weight - static_cast<double>(most));
-    sum += c.weight;
-  }
-  const auto add = [&](const Candidate& c, double log_factor) {
-    const double mixed =
-        std::isnan(c.mixed) ? interaction_product(measured, column_of_(c.a, c.b)) : c.mixed;
-    const double log_prior = std::log(places_[index(c.a)].prior * places_[index(c.b)].prior);
-    out.push_back({c.a, c.b,
-                   pair_evidence(measured.products, c.a, c.b, mixed) + log_prior - list.log_prior +
-                       log_factor});
-  };
-  if (alive.size() <= most_pairs_) {
-    for (const Candidate& c : alive) add(c, 0.0);
-    return;
-  }
-  // Keep all pairs above the threshold; each sampled pair below it represents several pairs.
-  double threshold = sum / static_cast<double>(most_pairs_);
-  for (int pass = 0; pass < 4; ++pass) {
-    std::size_t full = 0;
-    double rest = 0.0;
-    for (const Candidate& c : alive) {
-      if (c.weight >= threshold)
-        ++full;
-      else
-        rest += c.weight;
-    }
-    if (full >= most_pairs_) break;
-    threshold = rest / static_cast<double>(most_pairs_ - full);
-  }
-  double passed = 0.5 * threshold;
-  for (const Candidate& c : alive) {
-    if (c.weight >= threshold) {
-      add(c, 0.0);
-      continue;
-    }
-    passed += c.weight;
-    if (passed < threshold) continue;
-    passed -= threshold;
-    add(c, std::log(threshold / c.weight));
-  }
+  return {q, r, best, std::log(std::max(sa, 1.0) * std::max(sb, 1.0))};
 }
 
 void NormalTest::answer(const Measured& measured, Answer& out) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "identification/planning/normal_kernels.hpp"
 
 namespace wheeltap::identification::planning {
 
@@ -96,18 +97,44 @@ class NormalTest {
   /// Index of the model without defects.
   [[nodiscard]] int intact() const { return intact_; }
 
+  /// The curve through the nodes of a place is about c v + α c (c - τ) w, with the typical
+  /// direction v, the component c along v, and the unit direction w normal to v in which the nodes
+  /// deviate most: the sum of the nodes with the weights `of_nodes` (zero for a straight line). A
+  /// node deviates from the straight line by at most c · slope, and from this curve by c · rest.
+  struct Bend {
+    Eigen::VectorXd of_nodes;
+    double slope = 0.0, alpha = 0.0, tau = 0.0, rest = 0.0;
+  };
+
  private:
   struct PairList;
   struct Position;
 
   [[nodiscard]] std::shared_ptr<const PairList> list_pairs(const std::vector<int>& kinds) const;
+  /// Scalar products of the typical direction and the bend of all places, 2 columns per place.
+  [[nodiscard]] Eigen::MatrixXd directions_gram() const;
   void set_interactions(const std::vector<NormalInteraction>& interactions);
   [[nodiscard]] double log_place(const double* products, int a) const;
-  [[nodiscard]] double interaction_product(const Measured& measured, Eigen::Index column) const;
+  [[nodiscard]] double interaction_product(const float* data, Eigen::Index column) const;
   [[nodiscard]] Position position(const double* products, int place, double p) const;
-  [[nodiscard]] double pair_evidence(const double* products, int a, int b, double mixed) const;
-  [[nodiscard]] double interacting_exponent(int a, int b, Eigen::Index column, double ga, double gb,
-                                            double rho, double mixed) const;
+  /// The exponent of a pair about its best severities, in segments from there.
+  struct Fit {
+    Quadratic q;
+    Rectangle r;
+    std::array<double, 2> best;
+    double log_area;
+    [[nodiscard]] double log_evidence() const { return log_integral(q, r, best) - log_area; }
+    [[nodiscard]] double exponent() const { return value_at(q, best); }
+  };
+  [[nodiscard]] Fit fit_pair(const double* products, int a, int b, double mixed) const;
+  /// The data as input of interaction_product, padded with zeros.
+  [[nodiscard]] const float* single_precision(const Measured& measured) const;
+  struct Screened;
+  void screen(const Measured& measured, const PairList& list, const float* data,
+              Screened& out) const;
+  void fit_curved(const PairList& list, float square, Screened& out) const;
+  void fit_uncertain(const Measured& measured, const PairList& list, const float* data,
+                     Screened& out) const;
   void add_pairs(const Measured& measured, const PairList& list, std::vector<Pair>& out) const;
 
   std::vector<NormalPlace> places_;
@@ -115,6 +142,7 @@ class NormalTest {
   int intact_ = -1;
   std::size_t most_pairs_;
   Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
+  std::vector<double> tiles_;                           // nodes, for products_with_tile
   Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
   std::vector<Eigen::Index> first_;                     // first node of each place, and the end
   std::vector<double> squares_;                         // |node|²
@@ -122,12 +150,14 @@ class NormalTest {
   std::vector<Eigen::Index> typical_;                   // typical node of each place
   std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
   std::vector<std::vector<double>> along_;              // nodes projected on the typical node
+  std::vector<Bend> bends_;                             // per place
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
-  Eigen::MatrixXd interactions_;                        // data × pairs with an interaction
-  Eigen::MatrixXi column_of_;                           // per pair of places; -1: no interaction
-  std::vector<double> interaction_square_;              // per column: |I|²
-  std::vector<std::size_t> interaction_first_;          // per column: its start in the next list
-  std::vector<double> interaction_nodes_;  // I · nodes of place a, then I · nodes of place b
+  /// Data, padded with zeros, × pairs with an interaction; single precision saves memory traffic
+  Eigen::MatrixXf interactions_;
+  Eigen::MatrixXi column_of_;                   // per pair of places; -1: no interaction
+  std::vector<double> interaction_square_;      // per column: |I|²
+  std::vector<std::size_t> interaction_first_;  // per column: its start in the next list
+  std::vector<double> interaction_nodes_;       // I · nodes of place a, then I · nodes of place b
 };
 
 }  // namespace wheeltap::identification::planning

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
@@ -46,6 +48,13 @@ double probability_damaged(const std::vector<NormalModel>& models) {
   double out = 0.0;
   for (const NormalModel& m : models)
     if (std::reduce(m.counts.begin(), m.counts.end()) > 0) out += m.prior;
+  return out;
+}
+
+std::vector<double> frequency_covs(const PlanCase& plan, const PlannedStructure& structure) {
+  std::vector<double> out;
+  for (const double f : structure.frequencies_hz())
+    out.push_back(plan.noise.frequency_cov(f, static_cast<int>(out.size())));
   return out;
 }
 
@@ -129,12 +138,20 @@ std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& prediction
   return out;
 }
 
+/// Median and 90 % quantile.
+std::pair<double, double> quantiles(std::vector<double> values) {
+  if (values.empty()) return {0.0, 0.0};
+  std::ranges::sort(values);
+  return {values[values.size() / 2], values[values.size() * 9 / 10]};
+}
+
 /// Difference between the data of two defects and the sum of their effects and interaction, in
 /// standard errors per datum: median and 90 % quantile over simulated pairs.
 std::pair<double, double> interaction_error(const PlanModel& model, const PreparedDesign& design) {
   PlannedStructure::Solver solver(model.structure());
   std::vector<double> found;
-  Eigen::VectorXd both(design.data.size()), one(design.data.size()), other(design.data.size());
+  Eigen::VectorXd both(design.data.size()), one(design.data.size()), other(design.data.size()),
+      none(design.data.size());
   TestModes modes;
   for (std::uint64_t n = 0; n < 600 && found.size() < 100; ++n) {
     const Scenario s = model.source().draw(n, solver);
@@ -143,36 +160,57 @@ std::pair<double, double> interaction_error(const PlanModel& model, const Prepar
     const int b = std::max(s.truth.defects[0].place, s.truth.defects[1].place);
     const auto interaction = interaction_of(model.predictions(), design, a, b);
     design.data.mean(s.modes, both);
-    if (!interaction || !solver.predict({s.defects[0]}, modes)) continue;
+    if (!interaction || !solver.predict({s.defects[0]}, modes, s.draw)) continue;
     design.data.mean(modes, one);
-    if (!solver.predict({s.defects[1]}, modes)) continue;
+    if (!solver.predict({s.defects[1]}, modes, s.draw)) continue;
     design.data.mean(modes, other);
+    if (!solver.predict({}, modes, s.draw)) continue;
+    design.data.mean(modes, none);
+    one -= none;
+    other -= none;
     double by = 1.0;
     for (std::size_t k = 0; k < 2; ++k) {
       const Eigen::MatrixXd& nodes = design.test.places()[index(s.truth.defects[k].place)].nodes;
       const auto typical = nodes.col(typical_node(nodes.cols()));
       by *= (k == 0 ? one : other).dot(typical) / std::max(typical.squaredNorm(), 1e-300);
     }
-    found.push_back((both - one - other - by * *interaction).norm() /
+    found.push_back((both - none - one - other - by * *interaction).norm() /
                     std::sqrt(static_cast<double>(both.size())));
   }
-  if (found.empty()) return {0.0, 0.0};
-  std::ranges::sort(found);
-  return {found[found.size() / 2], found[found.size() * 9 / 10]};
+  return quantiles(std::move(found));
 }
 
-/// Largest component of a shape over all candidates, relative to the largest at the sensors of the
-/// design: median over the modes.
-double relative_largest(const PlannedStructure& structure, const TestDesign& design) {
+/// Difference between the effect of unknown coefficients on the data and its linear approximation,
+/// in standard errors per datum: median and 90 % quantile over the draws.
+std::pair<double, double> unknown_error(const PlannedStructure& structure,
+                                        const PreparedDesign& design) {
+  if (structure.unknowns() == 0) return {0.0, 0.0};
+  PlannedStructure::Solver solver(structure);
+  std::vector<double> found;
+  Eigen::VectorXd mean(design.data.size());
+  TestModes modes;
+  for (int k = 0; k < PlannedStructure::kDraws; ++k) {
+    if (!solver.predict({}, modes, k)) continue;
+    design.data.mean(modes, mean);
+    mean -= design.data.unknown_effect(structure.unknown_draw(k));
+    found.push_back(mean.norm() / std::sqrt(static_cast<double>(mean.size())));
+  }
+  return quantiles(std::move(found));
+}
+
+/// Standard deviation of the components of a shape for a largest component of 1 at the sensors of
+/// the design: median over the modes.
+double measured_sd(const PlannedStructure& structure, const TestNoise& noise,
+                   const TestDesign& design) {
   const Eigen::MatrixXd shapes = structure.intact_shapes();
   std::vector<double> ratios;
   for (Eigen::Index i = 0; i < shapes.cols() && !design.sensors.empty(); ++i) {
     const Eigen::VectorXd measured = shapes.col(i)(design.sensors);
     const double largest = measured.cwiseAbs().maxCoeff(),
                  all = shapes.col(i).cwiseAbs().maxCoeff();
-    if (largest > 0.0) ratios.push_back(all / largest);
+    if (largest > 0.0) ratios.push_back(noise.shape_sd_now(static_cast<int>(i)) * all / largest);
   }
-  if (ratios.empty()) return 1.0;
+  if (ratios.empty()) return noise.shape_sd;
   std::ranges::sort(ratios);
   return ratios[ratios.size() / 2];
 }
@@ -209,14 +247,14 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
     out.by_sensors = variations.score(path, plan.noise.seconds);
   }
   std::vector<double> lengths = plan.record_lengths;
-  if (lengths.empty() && !(plan.noise.cov > 0.0))
+  if (lengths.empty() && !plan.noise.has_cov())
     for (const double factor : {0.25, 0.5, 2.0, 4.0})
       lengths.push_back(factor * plan.noise.seconds);
   lengths.push_back(plan.noise.seconds);
   std::ranges::sort(lengths);
   lengths.erase(std::unique(lengths.begin(), lengths.end()), lengths.end());
   for (const double seconds : lengths) {
-    if (plan.noise.cov > 0.0 && seconds != plan.noise.seconds) continue;
+    if (plan.noise.has_cov() && seconds != plan.noise.seconds) continue;
     std::vector<ScoredDesign> list = {{.name = seconds_name(seconds), .design = best}};
     if (plan.costs && plan.choose >= 2)
       for (const ScoredDesign& d : path) list.push_back(d);
@@ -230,7 +268,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
              .seconds = seconds,
              .scores = d.scores});
   }
-  if (plan.noise.cov > 0.0) out.by_length.clear();  // the noise does not depend on the length
+  if (plan.noise.has_cov()) out.by_length.clear();  // the noise does not depend on the length
   const int modes = model.structure().modes();
   for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
     if (n == modes)
@@ -293,9 +331,49 @@ PlanModel::PlanModel(const PlanCase& plan, const PlanOptions& options)
 PlanCheck check_plan(const PlanCase& plan) {
   const PlannedStructure structure(checked(plan.damage_case), plan.structure);
   PlanCheck out{.models = static_cast<int>(count_models(structure.kinds()).size())};
-  for (const double f : structure.frequencies_hz())
-    out.largest_cov = std::max(out.largest_cov, plan.noise.frequency_cov(f));
+  for (const double cov : frequency_covs(plan, structure))
+    out.largest_cov = std::max(out.largest_cov, cov);
   return out;
+}
+
+double estimate_seconds(const PlanCase& plan, const PlanOptions& options) {
+  const auto now = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const double begun = now();
+  const PlanModel model(plan, options);
+  const double of_model = now() - begun;
+  TestDesign design;
+  for (int s = 0; s < plan.choose; ++s) design.sensors.push_back(s);
+  if (plan.choose < 2) design.sensors.clear();
+  const double prepared_from = now();
+  const PreparedDesign prepared =
+      prepare(model.structure(), model.predictions(), plan.noise, design);
+  const double of_design = now() - prepared_from;
+  // The first tests also fill the memory of the solver.
+  constexpr int kTests = 300;
+  static_cast<void>(model.source().draw(kTests, kTests, 1));
+  const double drawn_from = now();
+  const auto drawn = model.source().draw(0, kTests, 1);
+  const double tests_from = now();
+  static_cast<void>(simulate_tests(model.source(), prepared, drawn, plan.tolerance));
+  const double of_draw = (tests_from - drawn_from) / kTests,
+               of_test = (now() - tests_from) / kTests;
+  const auto candidates = static_cast<double>(model.structure().candidates().size());
+  const auto places = static_cast<double>(model.structure().places().size());
+  const double choose = plan.choose, shapes = plan.choose >= 2 ? 1.0 : 0.0;
+  // Ten designs, two classical layouts and frequencies alone.
+  const double scored = options.scenarios * (of_draw + (1.0 + 12.0 * shapes) * of_test);
+  // Record lengths, modes with models of their own, numbers of sensors and random layouts.
+  const double varied = variation_tests(options.scenarios) *
+                        (11.0 * of_draw + (10.0 + shapes * (choose + 5.0)) * of_test);
+  const double mapped = 10.0 * places * options.tests_per_place * of_test;
+  const double compared =
+      shapes *
+      std::min(layout_count(static_cast<int>(candidates), plan.choose) + choose * candidates,
+               120.0 + candidates * (13.0 + 4.0 * choose));
+  // The search has fewer places; a comparison needs about 300 tests and two preparations a design.
+  const double share = std::min(1.0, kCoarsePlaces / places);
+  return 5.0 * of_model + scored + varied + mapped +
+         compared * share * share * (2.0 * of_design + 300.0 * of_test);
 }
 
 SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options) {
@@ -315,9 +393,10 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   const PlannedStructure& structure = model.structure();
   PlanFindings out;
   out.frequencies_hz = structure.frequencies_hz();
-  for (const double f : out.frequencies_hz)
-    out.frequency_cov.push_back(plan.noise.frequency_cov(f));
-  out.shape_sd = plan.noise.shape_sd_now();
+  out.frequency_cov = frequency_covs(plan, structure);
+  std::vector<double> shape_sds;
+  for (int i = 0; i < structure.modes(); ++i) shape_sds.push_back(plan.noise.shape_sd_now(i));
+  out.shape_sd = quantiles(std::move(shape_sds)).first;
   for (int i = 0; i < structure.modes(); ++i)
     if (!structure.has_shape(i)) out.without_shapes.push_back(i);
   out.probability_damaged = probability_damaged(model.source().models());
@@ -347,7 +426,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
            std::pair(b.scores.right_place.value, b.scores.information.value);
   });
   const ScoredDesign& best = out.designs.front();
-  out.measured_shape_sd = out.shape_sd * relative_largest(structure, best.design);
+  out.measured_shape_sd = measured_sd(structure, plan.noise, best.design);
   const auto report = [&](const char* stage, double fraction) {
     if (options.progress) options.progress(stage, fraction);
   };
@@ -368,6 +447,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   out.separations_alone = find_separations(structure, model.predictions(), plan.noise, {},
                                            out.confusion_alone.pairs, costs, options.threads);
   std::tie(out.interaction_median, out.interaction_high) = interaction_error(model, prepared);
+  std::tie(out.unknown_median, out.unknown_high) = unknown_error(structure, prepared);
   report("variations", 0.0);
   vary(plan, model, options, out);
   if (plan.costs) out.value = find_values(out.options, *plan.costs, out.probability_damaged);

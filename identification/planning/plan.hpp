@@ -50,7 +50,7 @@ struct ScoredDesign {
 struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
-  double shape_sd = 0.0;
+  double shape_sd = 0.0;  ///< median over the modes
   /// For a largest component of 1 over the sensors of the best design: median over the modes.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
@@ -73,6 +73,8 @@ struct PlanFindings {
   /// Root mean square difference between the data of two simulated defects and the model of
   /// NormalTest, in standard errors per datum: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
+  /// The same for the effect of unknown coefficients, which the plan assumes to be linear.
+  double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< compared tests, if the case has costs
   std::optional<ValueFindings> value;
 };
@@ -106,6 +108,10 @@ class PlanModel {
   PlacePredictions predictions_;
   ScenarioSource source_;
 };
+
+/// Estimates the processor time of make_plan [s] from the times of one model and of some simulated
+/// tests. Throws InvalidInput as PlanModel does.
+[[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
 /// Chooses sensors for the case, with fewer places and severities than PlanModel has.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);

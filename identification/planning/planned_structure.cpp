@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
 #include "base/number.hpp"
+#include "base/random.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
 #include "identification/structural/forward/assembled_model.hpp"
 #include "identification/structural/likelihood/mode_matching.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
@@ -87,11 +90,63 @@ void check(const DamageCase& damage_case) {
 PlannedStructure::PlannedStructure(DamageCase damage_case, PlannedStructureOptions options)
     : damage_case_(std::move(damage_case)), options_(std::move(options)) {
   check(damage_case_);
+  if (unknowns() > 0 && !options_.masses.empty())
+    throw InvalidInput(InvalidInput::Part::data,
+                       "added masses need known coefficients: remove \"masses\", or replace the "
+                       "names of \"parameters\" by numbers");
   choose_modes();
   find_places();
   Solver solver(*this);
   if (!solver.predict({}, intact_))
     throw InvalidInput(InvalidInput::Part::beam, "the intact structure has no modes");
+  draw_unknowns();
+}
+
+int PlannedStructure::unknowns() const {
+  return options_.unknown ? static_cast<int>(options_.unknown->parameters.size()) : 0;
+}
+
+std::shared_ptr<const ForwardModel> PlannedStructure::model_at(const VectorXd& z) const try {
+  std::vector<double> values;
+  for (Index i = 0; i < z.size(); ++i)
+    values.push_back(options_.unknown->parameters[index(i)].prior.from_standard_normal(z[i]));
+  return std::make_shared<const AssembledModel>(options_.unknown->at(values), damage_case_.kinds,
+                                                model_modes_, damage_case_.rigid_body_modes,
+                                                motions_);
+} catch (const std::invalid_argument& error) {
+  throw InvalidInput(InvalidInput::Part::beam,
+                     std::string("the priors of the unknown coefficients allow an impossible "
+                                 "structure: ") +
+                         error.what());
+}
+
+void PlannedStructure::draw_unknowns() {
+  const Index n = unknowns();
+  if (n == 0) return;
+  z_.resize(n, kDraws);
+  for (Index i = 0; i < n; ++i) {
+    // Random pairing of the centres of kDraws intervals of equal probability.
+    base::Random random(0, 5, static_cast<std::uint64_t>(i), base::Purpose::simulation);
+    std::vector<int> order(index(kDraws));
+    std::iota(order.begin(), order.end(), 0);
+    for (int k = kDraws - 1; k > 0; --k)
+      std::swap(order[index(k)], order[index(random.index(k + 1))]);
+    for (int k = 0; k < kDraws; ++k)
+      z_(i, k) = inference::normal_quantile((order[index(k)] + 0.5) / kDraws);
+  }
+  for (Index k = 0; k < kDraws; ++k) draws_.push_back(model_at(z_.col(k)));
+  const auto modes_at = [&](const VectorXd& z) {
+    Prediction prediction;
+    TestModes out;
+    if (!model_at(z)->make_solver()->predict({}, {}, ForwardModel::Quantity::modes, prediction))
+      throw InvalidInput(InvalidInput::Part::beam,
+                         "the structure has no modes for a value that a prior allows");
+    label(prediction.modes[0], out);
+    out.with_mass.resize(out.in_order.size(), 0);
+    return out;
+  };
+  for (Index i = 0; i < n; ++i)
+    steps_.push_back({modes_at(VectorXd::Unit(n, i)), modes_at(-VectorXd::Unit(n, i))});
 }
 
 void PlannedStructure::choose_modes() try {
@@ -106,7 +161,8 @@ void PlannedStructure::choose_modes() try {
   int wanted = std::min(available, options_.modes + kFurther);
   VectorXd eigenvalues;
   for (;;) {
-    model_ = std::make_shared<const AssembledModel>(structure, damage_case_.kinds, rigid + wanted,
+    model_modes_ = rigid + wanted;
+    model_ = std::make_shared<const AssembledModel>(structure, damage_case_.kinds, model_modes_,
                                                     rigid, motions);
     Prediction prediction;
     if (!model_->make_solver()->predict({}, {}, ForwardModel::Quantity::modes, prediction)) break;
@@ -123,6 +179,7 @@ void PlannedStructure::choose_modes() try {
     if (chosen_.size() == static_cast<std::size_t>(options_.modes) || beyond) break;
     wanted = std::min(available, 2 * wanted);
   }
+  motions_ = motions;
   if (chosen_.empty())
     throw InvalidInput(InvalidInput::Part::data, "the structure has no mode in the band");
   for (const AddedMass& mass : options_.masses)
@@ -273,8 +330,15 @@ PlannedStructure::Solver::Solver(const PlannedStructure& structure)
   for (const auto& model : structure.with_mass_) with_mass_.push_back(model->make_solver());
 }
 
-bool PlannedStructure::Solver::predict(const std::vector<PlacedDefect>& defects, TestModes& out) {
-  if (!solver_->predict({}, defects, ForwardModel::Quantity::modes, prediction_)) return false;
+bool PlannedStructure::Solver::predict(const std::vector<PlacedDefect>& defects, TestModes& out,
+                                       int draw) {
+  ForwardModel::Solver* solver = solver_.get();
+  if (draw >= 0) {
+    draws_.resize(structure_.draws_.size());
+    if (!draws_[index(draw)]) draws_[index(draw)] = structure_.draws_[index(draw)]->make_solver();
+    solver = draws_[index(draw)].get();
+  }
+  if (!solver->predict({}, defects, ForwardModel::Quantity::modes, prediction_)) return false;
   structure_.label(prediction_.modes[0], out);
   const auto n = static_cast<Index>(structure_.chosen_.size());
   out.with_mass.resize(n, static_cast<Index>(with_mass_.size()));

@@ -47,26 +47,36 @@ struct PlannedStructureOptions {
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
   int most_places = 120;  ///< limit above which adjacent cells are joined
+  /// Structure with unknown coefficients, each with a prior; null: all coefficients are known.
+  std::shared_ptr<const StructureModel> unknown = {};
+  bool uniform = false;  ///< every unknown coefficient acts on the whole structure
 };
 
 /// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
 /// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
 /// MAC + |Δ ln f| / 2). A small change of stiffness mixes close modes (ModalLikelihood); for these,
 /// only frequencies are used, in ascending order.
+///
+/// Unknown coefficients have values at the standard normal coordinates z of their priors; z = 0 are
+/// the medians. Simulated tests use kDraws structures with z from a Latin hypercube (McKay, Beckman
+/// & Conover 1979, Technometrics 21:239).
 class PlannedStructure {
  public:
-  /// Throws InvalidInput if no mode is in the band, or if a kind of defect has an unknown extent or
-  /// changes the stiffness of whole substructures.
+  /// Throws InvalidInput if no mode is in the band, if a kind of defect has an unknown extent or
+  /// changes the stiffness of whole substructures, or if coefficients are unknown and the test adds
+  /// masses.
   PlannedStructure(DamageCase damage_case, PlannedStructureOptions options);
 
   /// Working memory of one thread.
   class Solver {
    public:
     explicit Solver(const PlannedStructure& structure);
-    /// Returns false if the structure is impossible with these defects.
-    bool predict(const std::vector<PlacedDefect>& defects, TestModes& out);
+    /// Returns false if the structure is impossible with these defects. `draw`: index of a draw
+    /// of the unknown coefficients; -1: the medians.
+    bool predict(const std::vector<PlacedDefect>& defects, TestModes& out, int draw = -1);
 
    private:
+    std::vector<std::unique_ptr<ForwardModel::Solver>> draws_;  // null until used
     const PlannedStructure& structure_;
     std::unique_ptr<ForwardModel::Solver> solver_;
     std::vector<std::unique_ptr<ForwardModel::Solver>> with_mass_;
@@ -81,6 +91,18 @@ class PlannedStructure {
   /// The place of a location on a kind's line; -1 if its prior probability is 0.
   [[nodiscard]] int place_of(int kind, double location) const;
   [[nodiscard]] const TestModes& intact() const { return intact_; }
+
+  static constexpr int kDraws = 32;
+  /// Number of unknown coefficients.
+  [[nodiscard]] int unknowns() const;
+  /// z of a draw: the coordinate of each unknown coefficient.
+  [[nodiscard]] Eigen::VectorXd unknown_draw(int draw) const { return z_.col(draw); }
+  /// Modes of the intact structure with one coefficient at z = 1 and at z = -1.
+  struct Steps {
+    TestModes above, below;
+  };
+  [[nodiscard]] const std::vector<Steps>& steps() const { return steps_; }
+  [[nodiscard]] const PlannedStructureOptions& options() const { return options_; }
   /// Candidate sensors × measured modes: shapes of the intact structure.
   [[nodiscard]] Eigen::MatrixXd intact_shapes() const { return intact_.shapes.leftCols(modes()); }
   /// Number of measured modes.
@@ -102,11 +124,18 @@ class PlannedStructure {
  private:
   void choose_modes();
   void find_places();
+  void draw_unknowns();
+  [[nodiscard]] std::shared_ptr<const ForwardModel> model_at(const Eigen::VectorXd& z) const;
   void label(const fem::ParametricModes::Modes& modes, TestModes& out) const;
 
   DamageCase damage_case_;
   PlannedStructureOptions options_;
   std::shared_ptr<const ForwardModel> model_;
+  int model_modes_ = 0;                  // number of computed modes
+  std::vector<fem::SparseRow> motions_;  // motions that the candidates measure, or any motion
+  Eigen::MatrixXd z_;                    // unknowns × draws
+  std::vector<std::shared_ptr<const ForwardModel>> draws_;
+  std::vector<Steps> steps_;
   std::vector<std::shared_ptr<const ForwardModel>> with_mass_;
   std::vector<int> chosen_;
   std::vector<int> close_;  // group of modes without shapes; -1: has a shape

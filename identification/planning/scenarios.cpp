@@ -30,6 +30,10 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
   out.truth.model = static_cast<int>(number % models_.size());
   const std::vector<int>& counts = models_[index(out.truth.model)].counts;
   base::Random random(seed_, 0, number, base::Purpose::simulation);
+  if (structure_.unknowns() > 0) {
+    base::Random of_unknowns(seed_, 4, number, base::Purpose::simulation);
+    out.draw = of_unknowns.index(PlannedStructure::kDraws);
+  }
   for (int attempt = 0; attempt < kMostDraws; ++attempt) {
     out.defects.clear();
     for (std::size_t k = 0; k < counts.size(); ++k) {
@@ -45,7 +49,7 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
       std::sort(out.defects.begin() + begin, out.defects.end(),
                 [](const auto& a, const auto& b) { return a.location < b.location; });
     }
-    if (solver.predict(out.defects, out.modes)) break;
+    if (solver.predict(out.defects, out.modes, out.draw)) break;
     if (attempt + 1 == kMostDraws)
       throw InvalidInput(InvalidInput::Part::severity,
                          "no structure with the damages of " + std::to_string(kMostDraws) +

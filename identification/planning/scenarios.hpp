@@ -15,6 +15,7 @@ namespace wheeltap::identification::planning {
 struct Scenario {
   TestTruth truth;
   std::vector<PlacedDefect> defects;
+  int draw = -1;  ///< draw of the unknown coefficients; -1: all are known
   TestModes modes;
   TestNumbers numbers;
 };

@@ -60,8 +60,11 @@ class Race {
       const auto places = static_cast<std::size_t>(keep);
       if (field.size() > places) {
         const Runner& last = field[places - 1];
+        const std::size_t half = std::max(places, (field.size() + 1) / 2);
         std::erase_if(field,
                       [&](const Runner& r) { return &r > &last && is_worse(r, last, count); });
+        if (field.size() > half)
+          field.erase(field.begin() + static_cast<std::ptrdiff_t>(half), field.end());
       }
       if (field.size() <= places || to >= most) break;
     }

@@ -17,13 +17,23 @@ namespace wheeltap::identification::planning {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-double TestNoise::frequency_cov(double frequency_hz) const {
-  const double square = cov > 0.0 ? cov * cov : damping / (kTwoPi * frequency_hz * seconds);
+namespace {
+
+/// The value of a mode in a list with one value per mode; the last value applies to further modes.
+double value_of_mode(const std::vector<double>& values, int mode, double otherwise) {
+  return values.empty() ? otherwise : values[std::min(index(mode), values.size() - 1)];
+}
+
+}  // namespace
+
+double TestNoise::frequency_cov(double frequency_hz, int mode) const {
+  const double given = value_of_mode(covs, mode, cov);
+  const double square = given > 0.0 ? given * given : damping / (kTwoPi * frequency_hz * seconds);
   return std::sqrt(square + discrepancy * discrepancy);
 }
 
-double TestNoise::shape_sd_now() const {
-  return shape_sd * std::sqrt(reference_seconds / seconds);
+double TestNoise::shape_sd_now(int mode) const {
+  return value_of_mode(shape_sds, mode, shape_sd) * std::sqrt(reference_seconds / seconds);
 }
 
 TestNumbers TestNumbers::draw(const PlannedStructure& structure, std::uint64_t seed,
@@ -42,25 +52,34 @@ TestNumbers TestNumbers::draw(const PlannedStructure& structure, std::uint64_t s
 TestData::TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design)
     : structure_(structure),
       design_(std::move(design)),
-      shape_sd_(noise.shape_sd_now()),
+      shape_sd_(structure.modes()),
       cov_(structure.modes()) {
   const TestModes& intact = structure.intact();
   const Index n = structure.modes();
-  for (Index i = 0; i < n; ++i) cov_[i] = noise.frequency_cov(std::exp(intact.in_order[i]));
+  for (Index i = 0; i < n; ++i) {
+    cov_[i] = noise.frequency_cov(std::exp(intact.in_order[i]), static_cast<int>(i));
+    shape_sd_[i] = noise.shape_sd_now(static_cast<int>(i));
+  }
   size_ = design_.mass >= 0 ? 2 * n : n;
-  if (!with_shapes()) return;
+  if (with_shapes()) take_shapes();
+  whiten_unknowns();
+}
+
+void TestData::take_shapes() {
+  const TestModes& intact = structure_.intact();
+  const Index n = structure_.modes();
   const auto m = static_cast<Index>(design_.sensors.size());
   for (Index i = 0; i < n; ++i) {
-    if (!structure.has_shape(static_cast<int>(i))) continue;
+    if (!structure_.has_shape(static_cast<int>(i))) continue;
     const VectorXd at = intact.shapes.col(i)(design_.sensors);
     const double norm = at.norm();
     if (!(norm > 1e-9 * intact.shapes.col(i).norm())) continue;
     Shape shape{.mode = static_cast<int>(i),
                 .first = size_,
-                .kappa = norm / (shape_sd_ * intact.shapes.col(i).cwiseAbs().maxCoeff()),
+                .kappa = norm / (shape_sd_[i] * intact.shapes.col(i).cwiseAbs().maxCoeff()),
                 .unit = at / norm,
                 .turned = {}};
-    if (const auto& turn = structure.turn(static_cast<int>(i)); turn.mode >= 0) {
+    if (const auto& turn = structure_.turn(static_cast<int>(i)); turn.mode >= 0) {
       VectorXd w = intact.shapes.col(turn.mode)(design_.sensors) / norm;
       w -= w.dot(shape.unit) * shape.unit;
       const double moved = shape.kappa * turn.tau * w.norm();
@@ -72,6 +91,43 @@ TestData::TestData(const PlannedStructure& structure, const TestNoise& noise, Te
     size_ += m;
     shapes_.push_back(std::move(shape));
   }
+}
+
+void TestData::whiten_unknowns() {
+  const auto& steps = structure_.steps();
+  const auto n = static_cast<Index>(steps.size());
+  if (n == 0) return;
+  effects_.resize(size_, n);
+  VectorXd above(size_), below(size_);
+  for (Index i = 0; i < n; ++i) {
+    mean(steps[index(i)].above, above);
+    mean(steps[index(i)].below, below);
+    effects_.col(i) = 0.5 * (above - below);
+  }
+  // J Jᵀ and Jᵀ J have the same positive eigenvalues.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(effects_.transpose() * effects_);
+  directions_.resize(size_, 0);
+  reductions_.resize(0);
+  for (Index i = 0; i < n; ++i) {
+    const double lambda = solver.eigenvalues()[i];
+    if (!(lambda > 1e-9)) continue;
+    const Index k = reductions_.size();
+    directions_.conservativeResize(Eigen::NoChange, k + 1);
+    reductions_.conservativeResize(k + 1);
+    directions_.col(k) = effects_ * solver.eigenvectors().col(i) / std::sqrt(lambda);
+    reductions_[k] = 1.0 - 1.0 / std::sqrt(1.0 + lambda);
+  }
+  for (Index i = 0; i < n; ++i) whiten(effects_.col(i));
+}
+
+void TestData::whiten(Eigen::Ref<VectorXd> out) const {
+  if (reductions_.size() == 0) return;
+  const VectorXd along = (directions_.transpose() * out).cwiseProduct(reductions_);
+  out -= directions_ * along;
+}
+
+VectorXd TestData::unknown_effect(const VectorXd& z) const {
+  return effects_ * z;
 }
 
 bool TestData::has_shape(int mode) const {
@@ -104,6 +160,7 @@ void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
   frequencies(modes, out);
   for (const Shape& shape : shapes_)
     place(shape, modes.shapes.col(shape.mode)(design_.sensors), out);
+  whiten(out);
 }
 
 VectorXd TestData::measured_shape(const TestModes& modes, const TestNumbers& numbers,
@@ -113,7 +170,7 @@ VectorXd TestData::measured_shape(const TestModes& modes, const TestNumbers& num
   if (const auto& turn = structure_.turn(mode); turn.mode >= 0)
     shape += turn.tau * numbers.turns[mode] * modes.shapes.col(turn.mode)(design_.sensors);
   shape /= largest;
-  return shape + shape_sd_ * numbers.shapes.col(mode)(design_.sensors);
+  return shape + shape_sd_[mode] * numbers.shapes.col(mode)(design_.sensors);
 }
 
 void TestData::measured(const TestModes& modes, const TestNumbers& numbers,
@@ -123,6 +180,7 @@ void TestData::measured(const TestModes& modes, const TestNumbers& numbers,
   out.head(n) += numbers.frequencies;
   if (design_.mass >= 0) out.segment(n, n) += numbers.with_mass;
   for (const Shape& shape : shapes_) place(shape, measured_shape(modes, numbers, shape.mode), out);
+  whiten(out);
 }
 
 namespace {
@@ -237,7 +295,7 @@ NormalTest make_normal_test(const PlannedStructure& structure, const PlacePredic
     }
     interactions.push_back(std::move(one));
   }
-  constexpr int kPairs = 96;
+  constexpr int kPairs = 48;
   return NormalTest(std::move(places), count_models(structure.kinds()), kPairs, interactions);
 }
 

@@ -32,9 +32,14 @@ struct TestNoise {
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
+  /// Values for each measured mode, which replace `cov` and `shape_sd`; the last value applies to
+  /// all further modes. Empty: equal values.
+  std::vector<double> covs = {}, shape_sds = {};
 
-  [[nodiscard]] double frequency_cov(double frequency_hz) const;
-  [[nodiscard]] double shape_sd_now() const;
+  /// True if the case gives the coefficients of variation of the frequencies.
+  [[nodiscard]] bool has_cov() const { return cov > 0.0 || !covs.empty(); }
+  [[nodiscard]] double frequency_cov(double frequency_hz, int mode) const;
+  [[nodiscard]] double shape_sd_now(int mode) const;
 };
 
 /// Standard normal numbers of one simulated test, the same for every design.
@@ -53,6 +58,10 @@ struct TestNumbers {
 /// the χ² of ShapeDensity. Model errors may rotate a shape towards a close mode, with the sd τ of
 /// the angle. In this direction, the data are divided by √(1 + (κ τ |w|)²), with w the component of
 /// the close mode's shape normal to û₀, relative to φ₀.
+///
+/// Unknown coefficients add J z to the data, z ~ N(0, I), with the columns of J from differences
+/// between z = 1 and z = -1. With their prior, the data have the covariance I + J Jᵀ. The last step
+/// multiplies the data by (I + J Jᵀ)^(-1/2).
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
@@ -61,6 +70,8 @@ class TestData {
   [[nodiscard]] const TestDesign& design() const { return design_; }
   /// Mean data for these modes.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
+  /// Effect of unknown coefficients with the coordinates z on the mean data, linear in z.
+  [[nodiscard]] Eigen::VectorXd unknown_effect(const Eigen::VectorXd& z) const;
   /// Simulated data of a test with these modes.
   void measured(const TestModes& modes, const TestNumbers& numbers,
                 Eigen::Ref<Eigen::VectorXd> out) const;
@@ -82,15 +93,20 @@ class TestData {
     Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
     double shrink = 1.0;     // factor on the data in this direction
   };
+  void take_shapes();
+  void whiten_unknowns();
+  void whiten(Eigen::Ref<Eigen::VectorXd> out) const;
   void frequencies(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
   void place(const Shape& shape, const Eigen::VectorXd& measured,
              Eigen::Ref<Eigen::VectorXd> out) const;
 
   const PlannedStructure& structure_;
   TestDesign design_;
-  double shape_sd_;
-  Eigen::VectorXd cov_;  // per mode
+  Eigen::VectorXd shape_sd_, cov_;  // per mode
   std::vector<Shape> shapes_;
+  Eigen::MatrixXd effects_;     // J, at last multiplied by (I + J Jᵀ)^(-1/2)
+  Eigen::MatrixXd directions_;  // eigenvectors of J Jᵀ with positive eigenvalues λ
+  Eigen::VectorXd reductions_;  // 1 - 1/√(1 + λ)
   Eigen::Index size_ = 0;
 };
 

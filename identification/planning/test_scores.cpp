@@ -134,29 +134,103 @@ TestOutcome TestScorer::score(const TestTruth& truth, const NormalTest::Measured
           .located = located(truth, answer)};
 }
 
+namespace {
+
+/// The log odds of the tests of each model, sorted.
+using SortedOdds = std::vector<std::vector<double>>;
+
+/// Interpolates the (1 - α) quantile between order statistics.
+double threshold_at(const std::vector<double>& intact, double alpha) {
+  const auto n = static_cast<double>(intact.size());
+  const double at = std::clamp((1.0 - alpha) * n - 0.5, 0.0, n - 1.0);
+  const auto i = static_cast<std::size_t>(at);
+  const std::size_t next = std::min(i + 1, intact.size() - 1);
+  return std::lerp(intact[i], intact[next], at - static_cast<double>(i));
+}
+
+struct Share {
+  double value = 0.0, variance = 0.0;
+};
+Share share_above(const std::vector<double>& sorted, double threshold) {
+  const auto n = static_cast<double>(sorted.size());
+  const auto hits = static_cast<double>(sorted.end() - std::ranges::upper_bound(sorted, threshold));
+  // Wilson's centre keeps the variance positive if all tests or no tests exceed the threshold.
+  const double p = (hits + 0.5) / (n + 1.0);
+  return {hits / n, p * (1.0 - p) / n};
+}
+
+constexpr int kPoints = 60;
+/// Ascending false-alarm probabilities, from one alarm in all intact tests to an alarm in every
+/// test.
+double alpha_of(int point, double intact_tests) {
+  return std::pow(intact_tests, static_cast<double>(point) / kPoints - 1.0);
+}
+
+/// P(detected | at least one defect), with the variance, if the tests of every model exist.
+Share detection_above(const SortedOdds& odds, const std::vector<NormalModel>& models,
+                      std::size_t intact, double threshold) {
+  Share out;
+  double damaged = 0.0;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (m == intact || odds[m].empty()) continue;
+    const Share one = share_above(odds[m], threshold);
+    damaged += models[m].prior;
+    out.value += models[m].prior * one.value;
+    out.variance += models[m].prior * models[m].prior * one.variance;
+  }
+  if (damaged > 0.0) {
+    out.value /= damaged;
+    out.variance /= damaged * damaged;
+  }
+  return out;
+}
+
+std::vector<TestScores::HeldOut> held_out(const SortedOdds& chosen, const SortedOdds& tested,
+                                          const std::vector<NormalModel>& models,
+                                          std::size_t intact) {
+  std::vector<TestScores::HeldOut> out;
+  if (chosen[intact].empty() || tested[intact].empty()) return out;
+  for (int i = 0; i < kPoints; ++i) {
+    const double alpha = alpha_of(i, static_cast<double>(chosen[intact].size()));
+    const double threshold = threshold_at(chosen[intact], alpha);
+    const Share alarm = share_above(tested[intact], threshold);
+    const Share detection = detection_above(tested, models, intact, threshold);
+    out.push_back({.chosen = {alpha, detection_above(chosen, models, intact, threshold).value},
+                   .tested = {alarm.value, detection.value},
+                   .variance = {alarm.variance, detection.variance}});
+  }
+  // An alarm in every test.
+  out.push_back({.chosen = {1.0, 1.0}, .tested = {1.0, 1.0}, .variance = {}});
+  return out;
+}
+
+}  // namespace
+
 TestScores summarise(const std::vector<TestOutcome>& outcomes,
                      const std::vector<NormalModel>& models, double false_alarm) {
   std::size_t intact = 0;
   for (std::size_t m = 0; m < models.size(); ++m)
     if (std::ranges::all_of(models[m].counts, [](int c) { return c == 0; })) intact = m;
-  std::vector<double> healthy;
-  for (const TestOutcome& outcome : outcomes)
-    if (index(outcome.model) == intact) healthy.push_back(outcome.log_odds);
+  SortedOdds odds(models.size());
+  std::array<SortedOdds, 2> halves = {SortedOdds(models.size()), SortedOdds(models.size())};
+  for (const TestOutcome& o : outcomes) {
+    const auto m = index(o.model);
+    halves[odds[m].size() % 2][m].push_back(o.log_odds);
+    odds[m].push_back(o.log_odds);
+  }
+  for (SortedOdds* lists : {&odds, &halves[0], &halves[1]})
+    for (std::vector<double>& list : *lists) std::ranges::sort(list);
+  const std::vector<double>& healthy = odds[intact];
   if (healthy.empty()) throw std::invalid_argument("no simulated test of the intact structure");
-  std::ranges::sort(healthy);
   const auto intact_tests = static_cast<double>(healthy.size());
-  // Interpolates the quantile between order statistics.
-  const auto threshold_at = [&](double alpha) {
-    const double at = std::clamp((1.0 - alpha) * intact_tests - 0.5, 0.0, intact_tests - 1.0);
-    const auto i = static_cast<std::size_t>(at);
-    const std::size_t next = std::min(i + 1, healthy.size() - 1);
-    return std::lerp(healthy[i], healthy[next], at - static_cast<double>(i));
-  };
   TestScores out;
-  out.threshold = threshold_at(false_alarm);
+  for (const std::size_t half : {0u, 1u})
+    out.halves[half] = held_out(halves[half], halves[1 - half], models, intact);
+  out.threshold = threshold_at(healthy, false_alarm);
   const double alpha_se = std::sqrt(false_alarm * (1.0 - false_alarm) / intact_tests);
   const double step = std::min(std::max(2.0 * alpha_se, 1.0 / intact_tests), 0.5 * false_alarm);
-  const double lower = threshold_at(false_alarm + step), upper = threshold_at(false_alarm - step);
+  const double lower = threshold_at(healthy, false_alarm + step);
+  const double upper = threshold_at(healthy, false_alarm - step);
   struct Sums {
     double n = 0, detected = 0, easier = 0, harder = 0, right = 0, right_easier = 0,
            right_harder = 0, information = 0, squares = 0;
@@ -177,20 +251,10 @@ TestScores summarise(const std::vector<TestOutcome>& outcomes,
   double damaged = 0.0;
   for (std::size_t m = 0; m < models.size(); ++m)
     if (m != intact && sums[m].n > 0) damaged += models[m].prior;
-  // The operating curve, from one alarm in all intact tests to an alarm in every intact test.
-  std::vector<std::vector<double>> odds(models.size());
-  for (const TestOutcome& o : outcomes) odds[index(o.model)].push_back(o.log_odds);
-  for (auto& list : odds) std::ranges::sort(list);
-  constexpr int kPoints = 60;
   for (int i = 0; i <= kPoints; ++i) {
-    const double alpha = std::pow(intact_tests, static_cast<double>(i) / kPoints - 1.0);
-    double detection = 0.0;
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      if (m == intact || odds[m].empty()) continue;
-      const auto above = std::ranges::upper_bound(odds[m], threshold_at(alpha));
-      detection += models[m].prior / damaged * static_cast<double>(odds[m].end() - above) /
-                   static_cast<double>(odds[m].size());
-    }
+    const double alpha = alpha_of(i, intact_tests);
+    const double detection =
+        detection_above(odds, models, intact, threshold_at(healthy, alpha)).value;
     out.operating.push_back({alpha, i == kPoints ? 1.0 : detection});
   }
   double detection_slope = 0.0, right_slope = 0.0, detection_variance = 0.0, right_variance = 0.0,

@@ -2,6 +2,7 @@
 // from simulated tests.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "identification/planning/normal_test.hpp"
@@ -85,6 +86,14 @@ struct TestScores {
     double false_alarm = 0.0, detection = 0.0;
   };
   std::vector<Operating> operating;
+  /// A threshold of one half of the tests: its probabilities in this half (`chosen`) and in the
+  /// other half (`tested`), with their variances. The probabilities in the other half have no bias
+  /// from the choice of the threshold.
+  struct HeldOut {
+    Operating chosen, tested, variance;
+  };
+  /// Thresholds of each half; empty lists if a half has no tests of a model.
+  std::array<std::vector<HeldOut>, 2> halves;
 };
 
 /// Scores of a design, from tests simulated from each model with a positive prior. A test detects

@@ -37,18 +37,25 @@ TestValue value_of(const TestOption& option, const TestCosts& c, double damaged)
     out.test_cost += c.of_sensors.empty() ? c.sensor : std::ranges::min(c.of_sensors);
   out.test_cost += c.hour * option.seconds / 3600.0 * (option.mass ? 2.0 : 1.0) +
                    (option.mass ? c.added_mass : 0.0);
-  // Expected cost if the test never raises an alarm.
-  double least = damaged * c.missed;
-  for (const auto& [alpha, detection] : option.scores.operating) {
-    const double cost = damaged * (detection * c.inspection + (1.0 - detection) * c.missed) +
-                        (1.0 - damaged) * alpha * (c.inspection + c.false_alarm);
-    if (cost >= least) continue;
-    least = cost;
-    out.false_alarm = alpha;
-    out.detection = detection;
+  const double alarm_cost = (1.0 - damaged) * (c.inspection + c.false_alarm);
+  const double detection_gain = damaged * (c.missed - c.inspection);
+  const auto cost_of = [&](const TestScores::Operating& o) {
+    return damaged * c.missed - detection_gain * o.detection + alarm_cost * o.false_alarm;
+  };
+  double cost = 0.0, variance = 0.0;
+  for (const auto& half : option.scores.halves) {
+    // A test that never raises an alarm.
+    TestScores::HeldOut best;
+    for (const TestScores::HeldOut& one : half)
+      if (cost_of(one.chosen) < cost_of(best.chosen)) best = one;
+    cost += 0.5 * cost_of(best.tested);
+    out.false_alarm += 0.5 * best.tested.false_alarm;
+    out.detection += 0.5 * best.tested.detection;
+    variance += 0.25 * (detection_gain * detection_gain * best.variance.detection +
+                        alarm_cost * alarm_cost * best.variance.false_alarm);
   }
-  out.saving = cost_without(c, damaged) - least - out.test_cost;
-  out.mcse = damaged * std::abs(c.missed - c.inspection) * option.scores.detection.mcse;
+  out.saving = cost_without(c, damaged) - cost - out.test_cost;
+  out.mcse = std::sqrt(variance);
   return out;
 }
 

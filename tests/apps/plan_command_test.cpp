@@ -53,6 +53,34 @@ TEST_F(PlanCommand, TheDamageCommandNamesThePlanCommand) {
   EXPECT_THAT(ran.err, HasSubstr("/data: is missing: the case plans a test: run wheeltap plan"));
 }
 
+// Before: a plan with unknown coefficients was refused.
+TEST_F(PlanCommand, AnUnknownModulusMakesDamageHarderToDetect) {
+  json c = a_case();
+  c["plan"].erase("masses");
+  c["plan"]["modes"] = 2;
+  ASSERT_EQ(run(c, "known").exit_code, 0);
+  c["beam"]["material"]["young"] = "E";
+  c["parameters"] = {{"E", {{"log_normal", {24.97, 0.03}}}}};
+  const Outcome ran = run(c, "unknown");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto alone = [&](const char* folder) {
+    return plan(folder).at("frequencies_alone").at("information").get<double>();
+  };
+  EXPECT_LT(alone("unknown"), alone("known") - 0.1);
+  EXPECT_LT(plan("unknown").at("unknown_coefficients").at("q90").get<double>(), 0.5);
+}
+
+// Before: "cov" and "shape_sd" were single numbers.
+TEST_F(PlanCommand, ModesMayHaveTheirOwnNoise) {
+  json c = a_case();
+  c["plan"].erase("seconds");
+  c["plan"].erase("damping");
+  c["plan"]["cov"] = {0.001, 0.002};
+  c["plan"]["shape_sd"] = {0.001, 0.01};
+  ASSERT_EQ(run(c, "out").exit_code, 0);
+  EXPECT_EQ(plan("out").at("frequency_cov"), json::parse("[0.001, 0.002, 0.002, 0.002]"));
+}
+
 // Before: the layout with all candidates was compared with itself, under seven names.
 TEST_F(PlanCommand, AllCandidatesLeaveNoOtherLayout) {
   json c = a_case();
@@ -169,7 +197,7 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
       with("/beam/material/young", "E")
           .patch(json::parse(
               R"([{"op": "add", "path": "/parameters", "value": {"E": {"log_normal": [25, 0.05]}}}])")),
-      "/parameters");
+      "/plan/masses: ");
   expect_refused(with("/plan/false_alarm", 1e-4),
                  "/plan/false_alarm: 0.0001: is too small for 1 000 simulated tests: use "
                  "--scenarios 1000000 or more");

@@ -211,6 +211,67 @@ TEST(PlannedTest, ASampleOfPairsEstimatesTheirSum) {
   EXPECT_LT(std::abs(mean), 0.03);
 }
 
+/// Places with effects of up to several hundred standard errors, along curved lines, and
+/// interactions.
+struct StrongEffects {
+  std::vector<NormalPlace> places;
+  std::vector<NormalInteraction> interactions;
+};
+StrongEffects strong_effects(int count) {
+  std::mt19937 rng(8);
+  std::normal_distribution<double> normal;
+  constexpr int kData = 40, kNodes = 9;
+  StrongEffects out;
+  for (int k = 0; k < count; ++k) {
+    NormalPlace place{.kind = 0, .prior = 1.0 / count, .nodes = MatrixXd::Zero(kData, kNodes)};
+    VectorXd along(kData), bend(kData);
+    for (int d = 0; d < kData; ++d) {
+      along[d] = std::sin(0.3 * d + 0.1 * k) + 0.3 * normal(rng);
+      bend[d] = std::cos(0.3 * d + 0.1 * k);
+    }
+    for (int i = 1; i < kNodes; ++i) {
+      const double s = static_cast<double>(i) / (kNodes - 1);
+      place.nodes.col(i) = 60.0 * s * along + 12.0 * s * s * bend;
+    }
+    out.places.push_back(std::move(place));
+  }
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b) {
+      NormalInteraction one{.a = a, .b = b, .data = VectorXd(kData)};
+      for (double& v : one.data) v = 2.0 * normal(rng);
+      out.interactions.push_back(std::move(one));
+    }
+  return out;
+}
+
+// Straight lines through the middle nodes describe these effects with errors of several standard
+// errors. The approximate weights of pairs must not exclude the relevant pairs.
+TEST(PlannedTest, StrongCurvedEffectsKeepTheRelevantPairs) {
+  const auto [places, interactions] = strong_effects(40);
+  const NormalTest test(places, {{{0}, 0.4}, {{1}, 0.3}, {{2}, 0.3}}, 96, interactions);
+  std::mt19937 rng(9);
+  std::normal_distribution<double> normal;
+  double largest = 0.0;
+  for (int repeat = 0; repeat < 60; ++repeat) {
+    const int a = repeat % 20, b = 20 + (7 * repeat) % 20, i = 1 + repeat % 8, j = 8 - repeat % 7;
+    VectorXd y = places[index(a)].nodes.col(i) + places[index(b)].nodes.col(j);
+    for (double& v : y) v += normal(rng);
+    const MatrixXd products = test.products(y);
+    const NormalTest::Measured measured{y.data(), products.data()};
+    NormalTest::Answer answer;
+    test.answer(measured, answer);
+    std::vector<double> terms;
+    for (int c = 0; c < 40; ++c)
+      for (int d = c + 1; d < 40; ++d)
+        terms.push_back(test.log_pair(measured, c, d) + test.log_pair_prior(2, c, d));
+    const double most = std::ranges::max(terms);
+    double sum = 0.0;
+    for (const double t : terms) sum += std::exp(t - most);
+    largest = std::max(largest, std::abs(answer.log_models[2] - most - std::log(sum)));
+  }
+  EXPECT_LT(largest, 0.05);
+}
+
 /// A simply supported beam with nine candidate sensors.
 PlanCase beam_plan(int most) {
   PlanCase plan;

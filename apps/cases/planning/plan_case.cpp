@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 
+#include "apps/cases/beam_parameters.hpp"
 #include "apps/cases/modal_data_case.hpp"
 #include "apps/cases/structures/structure_case.hpp"
 #include "apps/nearest.hpp"
@@ -236,9 +237,16 @@ void take_noise(const CaseFile& file, PlanCase& plan) {
                 "is given as \"cov\"");
   plan.noise = {.seconds = p.value("seconds", 600.0),
                 .damping = p.value("damping", 0.01),
-                .cov = p.value("cov", 0.0),
-                .discrepancy = p.value("discrepancy", 0.0),
-                .shape_sd = p.value("shape_sd", 0.02)};
+                .discrepancy = p.value("discrepancy", 0.0)};
+  const auto take = [&p](const char* key, double& all, std::vector<double>& of_modes) {
+    if (!p.contains(key)) return;
+    if (p[key].is_array())
+      of_modes = p[key].get<std::vector<double>>();
+    else
+      all = p[key].get<double>();
+  };
+  take("cov", plan.noise.cov, plan.noise.covs);
+  take("shape_sd", plan.noise.shape_sd, plan.noise.shape_sds);
   plan.noise.reference_seconds = plan.noise.seconds;
   if (p.value("choose", 0) >= 2 && !p.contains("shape_sd"))
     file.refuse(plan_key("shape_sd"),
@@ -250,6 +258,24 @@ void take_noise(const CaseFile& file, PlanCase& plan) {
                   "need \"seconds\" and \"damping\" in place of \"cov\"");
     plan.record_lengths = p["record_lengths"].get<std::vector<double>>();
   }
+}
+
+/// The unknown coefficients, if the case has "parameters".
+void take_unknowns(PlanCaseFile& out) {
+  const CaseFile& f = out.parsed.file;
+  if (!f.json.contains("parameters") || f.json["parameters"].empty()) return;
+  if (f.json.at("plan").contains("masses"))
+    f.refuse(plan_key("masses"),
+             "need known coefficients: remove \"masses\", or replace the names of \"parameters\" "
+             "by numbers");
+  PlannedStructureOptions& structure = out.plan.structure;
+  if (out.parsed.damage.structure) {
+    structure.unknown = out.parsed.damage.structure;
+    return;
+  }
+  const ParametricBeam beam = parse_parametric_beam(f);
+  structure.unknown = beam.model;
+  structure.uniform = beam.uniform;
 }
 
 void take_costs(const CaseFile& file, const std::vector<double>& of_sensors, PlanCase& plan) {
@@ -330,11 +356,6 @@ PlanCaseFile parse_plan_case(CaseFile file) {
   PlanCaseFile out{.parsed = parse_damage_case(std::move(file), Needs::structure), .plan = {}};
   const CaseFile& f = out.parsed.file;
   if (!f.json.contains("damage")) f.refuse(Pointer("/damage"), "is missing: must be an object");
-  if (f.json.contains("parameters") && !f.json["parameters"].empty())
-    f.refuse(
-        Pointer("/parameters"),
-        "a plan needs known coefficients: replace each name by a number, and state the remaining "
-        "uncertainty of frequencies as \"discrepancy\" of the plan");
   if (f.json.contains("predictor") && f.json["predictor"] != "fe")
     f.refuse(Pointer("/predictor"), "must be \"fe\" in a plan");
   const Json& p = f.json.at("plan");
@@ -347,6 +368,7 @@ PlanCaseFile parse_plan_case(CaseFile file) {
     complete(plan.damage_case);
     return true;
   });
+  take_unknowns(out);
   plan.structure.modes = p.value("modes", 10);
   if (p.contains("band")) {
     plan.structure.low_hz = p["band"][0].get<double>();

@@ -232,6 +232,12 @@ std::vector<std::string> cautions(const PlanFindings& f) {
         "than " +
         significant(f.interaction_high, 2) +
         " standard errors per measured value. Probabilities for two damages may be too low.");
+  if (f.unknown_high > kLargeInteraction)
+    out.push_back(
+        "The effect of the unknown coefficients on the data is not linear: for one in ten values "
+        "of their priors, the error is more than " +
+        significant(f.unknown_high, 2) +
+        " standard errors per measured value. Use narrower priors, or check with --check 100.");
   if (!f.without_shapes.empty()) {
     std::vector<int> modes;
     for (const int i : f.without_shapes) modes.push_back(i + 1);
@@ -251,45 +257,48 @@ Report plan_summary(const PlanCaseFile& parsed, const PlanFindings& findings,
   for (const Sensor& s : plan.structure.candidates) names.push_back(s.name);
   Report out = {{"wheeltap", about("plan", info, parsed.parsed.file)},
                 {"title", parsed.parsed.damage.title}};
-  Report p = {{"candidates", names},
-              {"choose", plan.choose},
-              {"seconds", parsed.parsed.file.json.at("plan").contains("seconds")
-                              ? Report(plan.noise.seconds)
-                              : Report()},
-              {"false_alarm", plan.false_alarm},
-              {"tolerance", plan.tolerance},
-              {"frequencies_hz", findings.frequencies_hz},
-              {"frequency_cov", findings.frequency_cov},
-              {"shape_sd", plan.choose >= 2 ? Report(findings.shape_sd) : Report(nullptr)},
-              {"probability_damaged", findings.probability_damaged},
-              {"scenarios", findings.scenarios},
-              {"variation_scenarios", findings.variation_scenarios},
-              {"search",
-               {{"exhaustive", findings.search.exhaustive},
-                {"compared", findings.search.compared},
-                {"scenarios", findings.search.scenarios},
-                {"layouts", layout_count(static_cast<int>(names.size()), plan.choose)}}},
-              {"designs", designs_report(parsed, findings.designs)},
-              {"others", designs_report(parsed, findings.others)},
-              {"frequencies_alone", design_report(parsed, findings.frequencies_alone)},
-              {"by_sensors", designs_report(parsed, findings.by_sensors)},
-              {"by_length", designs_report(parsed, findings.by_length)},
-              {"by_modes", designs_report(parsed, findings.by_modes)},
-              {"by_mass", designs_report(parsed, findings.by_mass)},
-              {"indistinguishable", confusion_report(findings.confusion)},
-              {"resolution", resolution_report(findings.confusion)},
-              {"separation",
-               {{"sensors", separation_report(parsed, findings.separations.by_sensors)},
-                {"mass", separation_report(parsed, findings.separations.by_mass)}}},
-              {"alone",
-               {{"indistinguishable", confusion_report(findings.confusion_alone)},
-                {"separation",
-                 {{"sensors", separation_report(parsed, findings.separations_alone.by_sensors)},
-                  {"mass", separation_report(parsed, findings.separations_alone.by_mass)}}}}},
-              {"undetectable_places", findings.confusion.undetectable.size()},
-              {"interaction",
-               {{"median", compact(findings.interaction_median)},
-                {"q90", compact(findings.interaction_high)}}}};
+  Report p = {
+      {"candidates", names},
+      {"choose", plan.choose},
+      {"seconds", parsed.parsed.file.json.at("plan").contains("seconds")
+                      ? Report(plan.noise.seconds)
+                      : Report()},
+      {"false_alarm", plan.false_alarm},
+      {"tolerance", plan.tolerance},
+      {"frequencies_hz", findings.frequencies_hz},
+      {"frequency_cov", findings.frequency_cov},
+      {"shape_sd", plan.choose >= 2 ? Report(findings.shape_sd) : Report(nullptr)},
+      {"probability_damaged", findings.probability_damaged},
+      {"scenarios", findings.scenarios},
+      {"variation_scenarios", findings.variation_scenarios},
+      {"search",
+       {{"exhaustive", findings.search.exhaustive},
+        {"compared", findings.search.compared},
+        {"scenarios", findings.search.scenarios},
+        {"layouts", layout_count(static_cast<int>(names.size()), plan.choose)}}},
+      {"designs", designs_report(parsed, findings.designs)},
+      {"others", designs_report(parsed, findings.others)},
+      {"frequencies_alone", design_report(parsed, findings.frequencies_alone)},
+      {"by_sensors", designs_report(parsed, findings.by_sensors)},
+      {"by_length", designs_report(parsed, findings.by_length)},
+      {"by_modes", designs_report(parsed, findings.by_modes)},
+      {"by_mass", designs_report(parsed, findings.by_mass)},
+      {"indistinguishable", confusion_report(findings.confusion)},
+      {"resolution", resolution_report(findings.confusion)},
+      {"separation",
+       {{"sensors", separation_report(parsed, findings.separations.by_sensors)},
+        {"mass", separation_report(parsed, findings.separations.by_mass)}}},
+      {"alone",
+       {{"indistinguishable", confusion_report(findings.confusion_alone)},
+        {"separation",
+         {{"sensors", separation_report(parsed, findings.separations_alone.by_sensors)},
+          {"mass", separation_report(parsed, findings.separations_alone.by_mass)}}}}},
+      {"undetectable_places", findings.confusion.undetectable.size()},
+      {"interaction",
+       {{"median", compact(findings.interaction_median)},
+        {"q90", compact(findings.interaction_high)}}},
+      {"unknown_coefficients",
+       {{"median", compact(findings.unknown_median)}, {"q90", compact(findings.unknown_high)}}}};
   add_places(parsed, structure, findings, p);
   if (findings.value) p["value"] = value_report(findings);
   if (!check.tests.empty()) p["check"] = check_report(findings.designs.front(), check);

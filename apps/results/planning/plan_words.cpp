@@ -184,6 +184,11 @@ std::string check_sentence(const Report& plan) {
       " of them with damage, P(at least one damage) of the engine differs by " +
       significant(check.at("rms_probability_damaged").get<double>(), 2) +
       " (root mean square) from the approximation of the plan.";
+  // The error of fewer tests is too large for a correction.
+  constexpr int kFewestChecked = 20;
+  if (check.at("damaged").get<int>() < kFewestChecked)
+    return out + " These are too few tests to correct the probabilities of the plan: use --check " +
+           std::to_string(2 * kFewestChecked) + " or more.";
   const auto corrected = [&](const char* key, const char* words) {
     const Report& c = check.at(key);
     if (c.at("corrected").is_null()) return;

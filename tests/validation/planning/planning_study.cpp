@@ -1,12 +1,14 @@
 // Studies of wheeltap plan: predictions against tests that the full engine identifies, and chosen
 // layouts against effective independence.
 //
-//   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
+//   planning_study agreement beam|frame|space TESTS [quick [FIRST]]   one line of JSON a test, then
+//   the
 //                                                             comparison; quick runs of the engine
 //   planning_study truths beam|frame|space TESTS [SEARCHES]  does the engine find two damages?
 //   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
 //   planning_study time [SCENARIOS [THREADS]]         search and scores of a frame with 60
 //   candidates
+//   planning_study score [SCENARIOS]                  processor time of one simulated test
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -101,8 +103,10 @@ void allow_reductions(DamageCase& damage_case, SiteLine line, int most) {
   complete(damage_case);
 }
 
-/// Sensors at nodes and inside members, in all translations.
-std::vector<Sensor> sensors_of(const fem::Structure& s, bool in_members, int most) {
+/// Sensors at nodes and inside members, in all translations: in the middle of the members and, with
+/// `in_columns`, at the third points of the vertical ones.
+std::vector<Sensor> sensors_of(const fem::Structure& s, bool in_members, int most,
+                               bool in_columns = false) {
   const fem::Mesh mesh(s);
   std::vector<Sensor> out;
   const int directions = s.dimension;
@@ -113,11 +117,17 @@ std::vector<Sensor> sensors_of(const fem::Structure& s, bool in_members, int mos
     for (int d = 0; d < directions; ++d)
       add(s.nodes[n].name + ", " + std::to_string(d),
           mesh.motion(static_cast<int>(n), static_cast<fem::Direction>(d)));
-  for (std::size_t m = 0; in_members && m < s.members.size(); ++m)
-    for (int d = 0; d < directions; ++d)
-      add(s.members[m].name + ", " + std::to_string(d),
-          mesh.motion(static_cast<int>(m), 0.5 * mesh.member_length(static_cast<int>(m)),
-                      static_cast<fem::Direction>(d)));
+  for (std::size_t m = 0; in_members && m < s.members.size(); ++m) {
+    const auto& ends = s.members[m].nodes;
+    const bool is_column = s.nodes[index(ends[0])].at[0] == s.nodes[index(ends[1])].at[0];
+    std::vector<double> shares = {0.5};
+    if (in_columns && is_column) shares = {1.0 / 3.0, 2.0 / 3.0};
+    for (const double share : shares)
+      for (int d = 0; d < directions; ++d)
+        add(s.members[m].name + ", " + std::to_string(d),
+            mesh.motion(static_cast<int>(m), share * mesh.member_length(static_cast<int>(m)),
+                        static_cast<fem::Direction>(d)));
+  }
   return out;
 }
 
@@ -160,7 +170,7 @@ PlanCase named(const std::string& name) {
   return plan;
 }
 
-int agreement(const std::string& name, int tests, bool quick) {
+int agreement(const std::string& name, int tests, bool quick, int first_test) {
   const PlanCase plan = named(name);
   const PlanOptions options{.scenarios = 20'000, .threads = base::thread_count(0)};
   const PlanModel model(plan, options);
@@ -176,31 +186,62 @@ int agreement(const std::string& name, int tests, bool quick) {
                                  .tolerance = plan.tolerance,
                                  .threads = options.threads})[0];
   std::fprintf(stderr, "design scored\n");
-  const EngineCheck check = check_by_engine(
-      plan, model, design, tests, {.seed = 1, .threads = options.threads, .quick = quick},
-      [&](double f) { std::fprintf(stderr, "\r%3.0f %%", 100.0 * f); });
   const double threshold = 1.0 / (1.0 + std::exp(-design.scores.threshold));
-  int detected = 0, right = 0, by_plan = 0, right_by_plan = 0;
-  for (const CheckedTest& t : check.tests) {
+  const PreparedDesign prepared =
+      prepare(model.structure(), model.predictions(), plan.noise, design.design);
+  PlannedStructure::Solver solver(model.structure());
+  const auto intact = index(prepared.test.intact());
+  int damaged = 0, detected = 0, right = 0, by_plan = 0, right_by_plan = 0, missed = 0;
+  double squares = 0.0;
+  const auto print = [&](int done) {
+    const double n = std::max(damaged, 1);
+    const auto compared = [&](const TestEstimate& predicted, int same, int engine) {
+      // The standard error of a share of n tests, at the predicted probability.
+      const double p = predicted.value,
+                   se = std::hypot(std::sqrt(p * (1.0 - p) / n), predicted.mcse);
+      std::printf("predicted %.4f +- %.4f, same tests %.4f, engine %.4f, difference %.4f +- %.4f; ",
+                  p, predicted.mcse, same / n, engine / n, engine / n - p, se);
+    };
+    std::printf("%s: %d tests, %d damaged; threshold P %.4f. Detected: ", name.c_str(), done,
+                damaged, threshold);
+    compared(design.scores.detection, by_plan, detected);
+    std::printf("right place: ");
+    compared(design.scores.right_place, right_by_plan, right);
+    std::printf("truth missed in %d; rms of P %.4f\n", missed, std::sqrt(squares / done));
+    std::fflush(stdout);
+  };
+  const auto begun = std::clock();
+  std::printf("{\"case\": \"%s\", \"sensors\": [", name.c_str());
+  for (const int sensor : design.design.sensors) std::printf(" %d", sensor);
+  std::printf(" ]}\n");
+  for (int done = 0; done < tests; ++done) {
+    const int i = first_test + done;
+    const std::uint64_t number = kFirstCheck + static_cast<std::uint64_t>(i);
+    const std::vector<Scenario> scenario = {model.source().draw(number, solver)};
+    const TestOutcome outcome =
+        simulate_tests(model.source(), prepared, scenario, plan.tolerance)[0];
+    inference::Options own{.seed = 1 + number, .threads = options.threads, .quick = quick};
+    if (quick) own.searches = std::max(own.searches, 200);
+    const EngineOutcome engine = identify(plan, model.source(), design.design, number, own);
+    const double p = 1.0 / (1.0 + std::exp(-outcome.log_odds));
     std::printf(
-        "{\"case\": \"%s\", \"model\": %d, \"plan\": %.5f, \"engine\": %.5f, \"plan right\": %d, "
-        "\"engine right\": %d}\n",
-        name.c_str(), t.approximate.model, 1.0 / (1.0 + std::exp(-t.approximate.log_odds)),
-        t.engine.probability_damaged, t.approximate.right, t.engine.right);
-    if (t.approximate.model == 0) continue;
-    detected += t.engine.probability_damaged > threshold;
-    right += t.engine.probability_damaged > threshold && t.engine.right;
-    by_plan += t.approximate.log_odds > design.scores.threshold;
-    right_by_plan += t.approximate.log_odds > design.scores.threshold && t.approximate.right;
+        "{\"case\": \"%s\", \"test\": %d, \"model\": %d, \"plan\": %.5f, \"engine\": %.5f, "
+        "\"plan right\": %d, \"engine right\": %d, \"truth gain\": %.2f, \"processor seconds\": "
+        "%.1f}\n",
+        name.c_str(), i, outcome.model, p, engine.probability_damaged, outcome.right, engine.right,
+        engine.truth_gain, static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC);
+    squares += std::pow(p - engine.probability_damaged, 2);
+    if (index(outcome.model) != intact) {
+      ++damaged;
+      missed += engine.truth_gain > kMissed;
+      detected += engine.probability_damaged > threshold;
+      right += engine.probability_damaged > threshold && engine.right;
+      by_plan += outcome.log_odds > design.scores.threshold;
+      right_by_plan += outcome.log_odds > design.scores.threshold && outcome.right;
+    }
+    std::fflush(stdout);
+    if ((done + 1) % 30 == 0 || done + 1 == tests) print(done + 1);
   }
-  const double n = std::max(check.damaged, 1);
-  std::printf(
-      "%s: %d tests, %d damaged; threshold P %.4f. Detected: predicted %.4f +- %.4f, same tests "
-      "%.4f, engine %.4f; right place: predicted %.4f +- %.4f, same tests %.4f, engine %.4f; "
-      "rms of P %.4f\n",
-      name.c_str(), tests, check.damaged, threshold, design.scores.detection.value,
-      design.scores.detection.mcse, by_plan / n, detected / n, design.scores.right_place.value,
-      design.scores.right_place.mcse, right_by_plan / n, right / n, check.rms_probability);
   return 0;
 }
 
@@ -365,8 +406,9 @@ int layouts(int structures, int first) {
 }
 
 int time_it(int scenarios, int threads) {
-  const PlanCase plan =
-      of_structure(plane_frame({0.0, 4.0, 9.0, 13.0}, {0.0, 3.0, 6.5}, 6), 2, 8, 10, true, 60);
+  const fem::Structure frame = plane_frame({0.0, 4.0, 9.0, 13.0}, {0.0, 3.0, 6.5}, 6);
+  PlanCase plan = of_structure(frame, 2, 8, 10, true, 60);
+  plan.structure.candidates = sensors_of(frame, true, 60, true);
   const auto begun = std::chrono::steady_clock::now();
   const auto now = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -395,19 +437,43 @@ int time_it(int scenarios, int threads) {
   return 0;
 }
 
+/// Processor time for the scores of one design, without the search.
+int score_time(int scenarios) {
+  const fem::Structure frame = plane_frame({0.0, 4.0, 9.0, 13.0}, {0.0, 3.0, 6.5}, 6);
+  PlanCase plan = of_structure(frame, 2, 8, 10, true, 60);
+  plan.structure.candidates = sensors_of(frame, true, 60, true);
+  const PlanOptions options{.scenarios = scenarios};
+  const PlanModel model(plan, options);
+  const TestDesign design{
+      .sensors = effective_independence(model.structure().intact_shapes(), plan.choose)};
+  const PreparedDesign prepared =
+      prepare(model.structure(), model.predictions(), plan.noise, design);
+  const std::vector<Scenario> drawn = model.source().draw(0, scenarios, 1);
+  const auto begun = std::clock();
+  const auto outcomes = simulate_tests(model.source(), prepared, drawn, plan.tolerance);
+  const double seconds = static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+  const TestScores s = summarise(outcomes, model.source().models(), plan.false_alarm);
+  std::printf("%.1f us a test; information %.5f, detection %.5f, right place %.5f\n",
+              1e6 * seconds / scenarios, s.information.value, s.detection.value,
+              s.right_place.value);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]), argc > 4);
+  if (what == "agreement" && argc > 3)
+    return agreement(argv[2], std::atoi(argv[3]), argc > 4, argc > 5 ? std::atoi(argv[5]) : 0);
   if (what == "layouts" && argc > 2)
     return layouts(std::atoi(argv[2]), argc > 3 ? std::atoi(argv[3]) : 0);
   if (what == "truths" && argc > 3)
     return truths(argv[2], std::atoi(argv[3]), argc > 4 ? std::atoi(argv[4]) : 0);
+  if (what == "score") return score_time(argc > 2 ? std::atoi(argv[2]) : 5000);
   if (what == "time")
     return time_it(argc > 2 ? std::atoi(argv[2]) : 100'000, argc > 3 ? std::atoi(argv[3]) : 0);
-  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | "
+  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick [FIRST]] | "
                "truths beam|frame|space TESTS [SEARCHES] | layouts STRUCTURES [FIRST] | "
-               "time [SCENARIOS [THREADS]]\n";
+               "time [SCENARIOS [THREADS]] | score [SCENARIOS]\n";
   return 64;
 }
