@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "apps/cases/modal_data_case.hpp"
 #include "apps/nearest.hpp"
@@ -49,6 +50,15 @@ void inherit(Json& state, const Json& block) {
       {{"frequencies", "file", "from", "repeats"},
        {"cov", "sd", "covariance", "repeats"},
        {"shape_sd", "shape_covariance", "shape_sd", "shape_sd"}}};
+  // Keys that select from another key's file. A state with frequencies of another origin has no use
+  // for them.
+  static constexpr std::array<std::array<const char*, 2>, 4> selections = {
+      {{"columns", "file"}, {"row", "file"}, {"modes", "from"}, {"model_modes", "from"}}};
+  const auto has_other_origin = [&](const char* origin) {
+    return std::ranges::any_of(alternatives[0], [&](const char* k) {
+      return std::string_view(k) != origin && state.contains(k);
+    });
+  };
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
     if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
@@ -58,7 +68,10 @@ void inherit(Json& state, const Json& block) {
     });
     // A modes.json contains the uncertainty of its modes.
     const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
-    if (!has_alternative && !by_file) state[key] = value;
+    const bool is_useless = std::ranges::any_of(selections, [&](const auto& selection) {
+      return key == selection[0] && has_other_origin(selection[1]);
+    });
+    if (!has_alternative && !by_file && !is_useless) state[key] = value;
   }
 }
 

@@ -283,7 +283,11 @@ std::string caution(const Findings& findings) {
 
 Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
   const Namer said = [&](const ModelFinding& m) { return counted(damage_case, m); };
-  const MisfitWords misfit = [](const FitVerdict& verdict, const ModelFinding&) {
+  const MisfitWords misfit = [](const FitVerdict& verdict, const ModelFinding&) -> std::string {
+    const auto* beyond = std::get_if<misfit::BeyondNoise>(&verdict.why.front());
+    if (beyond != nullptr && !beyond->chains_agree)
+      return "The draws so far do not explain the frequencies (" + in_brief(verdict) +
+             "), and the Markov chains disagree.";
     const bool too_close = std::holds_alternative<misfit::WithinNoise>(verdict.why.front());
     return (too_close ? "The frequencies fit more closely than the stated noise" +
                             stated(std::get<misfit::WithinNoise>(verdict.why.front()).cv) +

@@ -84,8 +84,14 @@ struct Sentence {
   }
   std::string operator()(const All<misfit::BeyondNoise>& all) const {
     const misfit::BeyondNoise& r = all.front();
-    return "No number of damages explains the frequencies within the stated noise (predictive " +
-           p_is(r.p) + what_to_check(r.modes, r.emulated).insert(0, ")");
+    const std::string checks = p_is(r.p) + what_to_check(r.modes, r.emulated).insert(0, ")");
+    if (r.chains_agree)
+      return "No number of damages explains the frequencies within the stated noise (predictive " +
+             checks;
+    return "The Markov chains disagree and may have missed damages that explain the frequencies: "
+           "run longer, without --quick. The draws so far do not explain the frequencies within "
+           "the stated noise (predictive " +
+           checks;
   }
   std::string operator()(const All<misfit::WithinNoise>& all) const {
     const misfit::WithinNoise& r = all.front();

@@ -1,13 +1,14 @@
 // What the engine makes of the problems with known answers, as a Markdown table; each line when it
 // is done.
 //
-//   verdict_table [--seeds N] [--filter TEXT] [--family NAME]
+//   verdict_table [--seeds N] [--filter TEXT] [--family NAME] [--study]
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 
 #include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/hard_verdict.hpp"
+#include "tests/inference/study_problems.hpp"
 
 namespace {
 
@@ -56,6 +57,8 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", seeds, "runs of each problem")->check(CLI::PositiveNumber);
   app.add_option("--filter", filter, "only problems whose name has this in it");
   app.add_option("--family", family, "only this family");
+  bool study = false;
+  app.add_flag("--study", study, "the problems of many dimensions and modes instead");
   CLI11_PARSE(app, argc, argv);
 
   std::printf(
@@ -66,9 +69,10 @@ int main(int argc, char** argv) {
   const auto wanted = [&](const HardProblem& p) {
     return p.name.find(filter) != std::string::npos && (family.empty() || p.family == family);
   };
-  for (const HardProblem& p : hard_problems()) {
+  for (const HardProblem& p : study ? study_problems() : hard_problems()) {
     if (wanted(p)) print_line(p, seeds);
   }
+  if (study) return 0;
   const auto pine = std::filesystem::path(WHEELTAP_SHARED_DIR) / "validation" / "radiata";
   if (std::filesystem::exists(pine)) {
     const HardProblem p = radiata_problem(pine.string());

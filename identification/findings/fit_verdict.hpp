@@ -41,6 +41,9 @@ struct BeyondNoise {
   double p;                ///< posterior predictive p
   std::vector<int> modes;  ///< modes (from 1) whose frequencies deviate by more than 3 sd
   bool emulated;           ///< true if an emulator computes the predictions
+  /// False if the log likelihoods of the Markov chains differ by more than the misfit. The chains
+  /// may then have missed damages that explain the frequencies.
+  bool chains_agree = true;
 };
 /// Reason of a misfit: predicted and measured frequencies differ by less than the stated noise
 /// allows.

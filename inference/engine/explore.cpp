@@ -34,6 +34,7 @@ constexpr std::size_t kReachedModels =
     12;                            // largest number of models searched separately after tempering
 constexpr double kReached = 0.01;  // smallest share of the visits for such a search
 constexpr long kSearchBudget = 300000;       // likelihood evaluations of the climbs of all models
+constexpr long kCostlyBudget = 100000;       // the same for a costly likelihood
 constexpr long kRecordBudget = 50000;        // the same for a record, whose modes are followed
 constexpr long kLeastBudget = 3000;          // smallest budget per model
 constexpr double kBriefAnnealing = 50000.0;  // approximate likelihood evaluations per model
@@ -103,7 +104,9 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   const long budget = std::max(
       kLeastBudget,
       static_cast<long>(brief *
-                        static_cast<double>(problem.shortened ? kRecordBudget : kSearchBudget) /
+                        static_cast<double>(problem.shortened ? kRecordBudget
+                                            : problem.costly  ? kCostlyBudget
+                                                              : kSearchBudget) /
                         static_cast<double>(nested ? 1 : std::max<long>(1, with_parameters))));
   const auto options = [&](int m) {
     ExplorationOptions how{

@@ -28,8 +28,8 @@ inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation i
 /// True if the likelihood is expensive: the data are a long record or the problem is costly, and
 /// the engine chooses the number of draws. Tuning steps and thinning, which reduce the
 /// autocorrelation of the draws, are then halved. The reason is that each MCMC step takes about a
-/// hundred times as long as with a likelihood given by a formula. The run continues in any case
-/// until it has enough draws.
+/// hundred times as long as with a likelihood given by a formula. A costly problem has no thinning.
+/// The run continues in any case until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return (problem.samples > 0 || problem.costly) && options.draws == 0;
 }
@@ -46,6 +46,7 @@ inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation i
   return static_cast<int>(std::clamp(brief * kAll / (models + 1.0), kFewest, kMost));
 }
 [[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
+  if (problem.costly && options.draws == 0) return 1;
   return is_expensive(problem, options) ? kDefaultThin / 2 : kDefaultThin;
 }
 [[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {

@@ -61,7 +61,7 @@ double planned_searches(const Problem& problem, const Options& options) {
   if (options.searches > 0) {
     search = options.searches * all.models * (kCallsAClimb + kCallsAClimbAndDimension * d);
   } else {
-    const double budget = problem.shortened ? 50'000.0 : 300'000.0;
+    const double budget = problem.shortened ? 50'000.0 : problem.costly ? 100'000.0 : 300'000.0;
     search = std::max(3000.0 * all.models, brevity(options) * budget);
   }
   return share * (search + kWeighingRounds * all.in_draws);

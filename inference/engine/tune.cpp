@@ -27,6 +27,11 @@ constexpr int kManyPeaks = 80;                  // mixture components for poster
 // values for other problems, the fits took a quarter of the run time.
 constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
+// With a costly likelihood and a single model, tuning ends after a round in which this share of the
+// draws of the mixture was accepted, and after this number of steps per chain and dimension. The
+// mixture then fits the posterior; more rounds hardly improve the mixture.
+constexpr double kGoodRenewal = 0.3;
+constexpr int kStepsADimension = 160;
 // In tuning, less probable models get fewer visits than the others, because no draws of these
 // models are expected.
 constexpr double kLeastTuned = 1e-4;
@@ -46,6 +51,22 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += chain.records[k];
   return kernel_efficiencies(
       *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
+}
+
+// True if the proposals fit the posterior well enough that a costly likelihood needs no more
+// rounds.
+bool is_tuned(const RunContext& run, const RunState& state) {
+  if (!run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
+      state.at.tuned < kStepsADimension * run.space()[0].dimension)
+    return false;
+  const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+  for (int k = 0; k < kernels->size(); ++k) {
+    if ((*kernels)[k].name() != "mixture renewal") continue;
+    KernelRecord sum;
+    for (const ChainState& chain : state.chains) sum += chain.records[static_cast<std::size_t>(k)];
+    return static_cast<double>(sum.accepted) > kGoodRenewal * static_cast<double>(sum.proposed);
+  }
+  return false;
 }
 
 // Runs a round of `steps` steps, or the rest of the round, and fits the proposals.
@@ -88,7 +109,10 @@ void tune_once(RunContext& run, RunState& state, int steps) {
   });
   if (run.monitor.stopped()) return;
   state.at.tuned += steps;
-  fit_proposals(run, state, ++state.at.round);
+  state.at.round = is_tuned(run, state)
+                       ? std::max(state.at.round + 1, static_cast<int>(kTuning.size()))
+                       : state.at.round + 1;
+  fit_proposals(run, state, state.at.round);
   for (ChainState& chain : state.chains) chain.adaptation = {};
   run.safe_points.pass(state);
 }

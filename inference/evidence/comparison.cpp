@@ -9,6 +9,7 @@ namespace wheeltap::inference {
 
 ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                            const std::vector<Evidence>& evidences) {
+  constexpr double kRounding = 1e-16;
   const auto n = static_cast<std::size_t>(space.size());
   if (evidences.size() != n)
     throw std::invalid_argument("implied probabilities: " + std::to_string(evidences.size()) +
@@ -24,11 +25,18 @@ ImpliedProbabilities implied_probabilities(const ModelSpace& space,
   for (double& p : result.mean) sum += p = std::exp(p - top);
   for (double& p : result.mean) p /= sum;
   for (std::size_t m = 0; m < n; ++m) {
+    // 1 - P(m), without cancellation for P(m) near 1
+    double others = 0.0;
+    for (std::size_t k = 0; k < n; ++k)
+      if (k != m) others += result.mean[k];
     double variance = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
-      const double slope = result.mean[m] * ((m == k ? 1.0 : 0.0) - result.mean[k]);
-      // The error of a model with P = 0 has no effect, even if the error is NaN.
-      if (slope != 0.0) variance += std::pow(slope * evidences[k].standard_error, 2.0);
+      const double slope = result.mean[m] * (m == k ? others : -result.mean[k]);
+      // The error of a model with P = 0 has no effect, even if the error is NaN. Neither has a NaN
+      // of the only model with a probability above rounding errors.
+      if (slope == 0.0 || (m == k && slope < kRounding && std::isnan(evidences[k].standard_error)))
+        continue;
+      variance += std::pow(slope * evidences[k].standard_error, 2.0);
     }
     result.standard_error[m] = std::sqrt(variance);
   }

@@ -14,6 +14,7 @@
 #include "base/number.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
+#include "inference/evidence/approximate_steps.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -22,8 +23,9 @@ constexpr long kStageSamples = 50;  // first length of a growing record
 
 struct Particle {
   std::vector<double> z;
-  double log_base = 0.0;  // ln p₀
-  double log_gain = 0.0;  // ln factor + ln likelihood
+  double log_base = 0.0;     // ln p₀
+  double log_gain = 0.0;     // ln factor + ln likelihood
+  double approximate = 0.0;  // approximation of log_gain, if the current stage uses it
   [[nodiscard]] bool possible() const { return log_gain > -kInfinity; }
 };
 
@@ -75,6 +77,7 @@ class Replicate {
   }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
   [[nodiscard]] bool cut() const { return cut_; }
+  [[nodiscard]] long screened() const { return screened_; }
   // Exponent at the maximum number of stages; NaN if β = 1 was reached.
   [[nodiscard]] double stalled_at() const { return stalled_at_; }
 
@@ -84,6 +87,10 @@ class Replicate {
   static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods per batch: a few vectors full
+  // Largest standard deviation of the error of the approximation, times β, for screened moves, and
+  // number of steps of such a move.
+  static constexpr double kScreenError = 1.5;
+  static constexpr int kScreenSteps = 5;
 
   [[nodiscard]] base::Random stream(std::uint64_t stage) const {
     // The high bit separates these streams from other streams of this purpose.
@@ -272,8 +279,32 @@ class Replicate {
     const std::span<Particle> first(particles_.begin(), particles_.begin() + middle);
     const std::span<Particle> second(particles_.begin() + middle, particles_.end());
     const NormalMixture of_first = fit(first, random), of_second = fit(second, random);
-    move(first, of_second, beta, random);
-    move(second, of_first, beta, random);
+    const double for_first = scale_of_screen(second, beta);
+    const double for_second = scale_of_screen(first, beta);
+    for_first > 0.0 ? move_screened(first, of_second, beta, for_first, random)
+                    : move(first, of_second, beta, random);
+    for_second > 0.0 ? move_screened(second, of_first, beta, for_second, random)
+                     : move(second, of_first, beta, random);
+  }
+
+  // The factor c in [0, 1] with which c · approximation predicts the log_gain of these samples
+  // best, up to a constant; 0 if the errors are too large.
+  [[nodiscard]] double scale_of_screen(std::span<const Particle> particles, double beta) const {
+    if (!options_.approximation || from_) return 0.0;
+    const auto n = static_cast<Eigen::Index>(particles.size());
+    Eigen::VectorXd gains(n), screens(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Particle& p = particles[static_cast<std::size_t>(i)];
+      gains[i] = beta * p.log_gain;
+      screens[i] = beta * options_.approximation(p.z);
+    }
+    gains.array() -= gains.mean();
+    screens.array() -= screens.mean();
+    const double square = screens.squaredNorm();
+    if (!(square > 0.0)) return 0.0;
+    const double scale = std::clamp(gains.dot(screens) / square, 0.0, 1.0);
+    const double error = (gains - scale * screens).norm() / std::sqrt(static_cast<double>(n));
+    return error < kScreenError ? scale : 0.0;
   }
 
   NormalMixture fit(std::span<const Particle> particles, base::Random& random) const {
@@ -288,6 +319,63 @@ class Replicate {
     return NormalMixture::fit(states, options, random);
   }
 
+  // Moves as the next function, with proposals that pass the approximation times `scale`. Several
+  // accepted steps of a walk count as several moves; several renewals count as one.
+  void move_screened(std::span<Particle> particles, const NormalMixture& mixture, double beta,
+                     double scale, base::Random& random) {
+    ++screened_;
+    for (Particle& p : particles) p.approximate = options_.approximation(p.z);
+    const auto n = static_cast<double>(particles.size());
+    std::vector<double> proposals;
+    std::vector<Particle> ends;
+    std::vector<std::size_t> places;
+    std::vector<int> counts;
+    std::vector<ModelPosterior::Value> values;
+    double moved = 0.0;
+    // A screened move leads farther than a plain move, so that half of the moves suffice.
+    const double least = 0.5 * options_.acceptances * n;
+    for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
+      const SweepProposal propose{
+          .mixture = mixture, .renew = sweep % 2 == 0, .log_scale = log_scale_};
+      double steps = 0.0;
+      for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
+        if ((stopped_ = is_to_stop())) return;
+        const auto batch = particles.subspan(begin, std::min(kBatch, particles.size() - begin));
+        ends.clear();
+        places.clear();
+        counts.clear();
+        proposals.clear();
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+          Particle end = batch[k];
+          const int count = step_by_approximation(options_.approximation, beta * scale, propose,
+                                                  kScreenSteps, random, end.z, end.approximate);
+          steps += count;
+          if (count == 0) continue;
+          proposals.insert(proposals.end(), end.z.begin(), end.z.end());
+          ends.push_back(std::move(end));
+          places.push_back(k);
+          counts.push_back(count);
+        }
+        if (ends.empty()) continue;
+        values.assign(ends.size(), {});
+        evaluate(proposals, values);
+        for (std::size_t i = 0; i < ends.size(); ++i) {
+          Particle& p = batch[places[i]];
+          const double log_second = beta * (values[i].log_gain - p.log_gain -
+                                            scale * (ends[i].approximate - p.approximate));
+          if (!(std::log(random.uniform()) < log_second)) continue;
+          p = std::move(ends[i]);
+          p.log_base = values[i].log_base;
+          p.log_gain = values[i].log_gain;
+          moved += propose.renew ? 1.0 : counts[i];
+        }
+      }
+      if (!propose.renew)
+        log_scale_ = std::clamp(log_scale_ + 2.0 * (steps / (kScreenSteps * n) - 0.3), -6.0, 2.0);
+    }
+    sluggish_ = sluggish_ || moved < 0.5 * least;
+  }
+
   void move(std::span<Particle> particles, const NormalMixture& mixture, double beta,
             base::Random& random) {
     const int d = to_->posterior.dimension();
@@ -299,7 +387,8 @@ class Replicate {
     double moved = 0.0;
     const double least = (from_ ? 0.5 : 1.0) * options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps && !stopped_; ++sweep) {
-      const bool renew = sweep % 2 == 0;
+      const SweepProposal propose{
+          .mixture = mixture, .renew = sweep % 2 == 0, .log_scale = log_scale_};
       double accepted = 0.0;
       for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
         if ((stopped_ = is_to_stop())) return;
@@ -307,21 +396,7 @@ class Replicate {
         for (std::size_t k = 0; k < batch.size(); ++k) {
           const Particle& p = batch[k];
           const std::span<double> to(proposals.data() + k * normal.size(), normal.size());
-          double log_ratio = 0.0;
-          if (renew) {
-            mixture.sample(random, to);
-            log_ratio = mixture.log_density(p.z) - mixture.log_density(to);
-          } else {
-            const NormalMixture::Component& c = mixture[mixture.sample_component(random)];
-            for (double& v : normal) v = random.normal();
-            for (int i = 0; i < d; ++i) {
-              double e = 0.0;
-              for (int j = 0; j <= i; ++j)
-                e += c.factor(i, j) * normal[static_cast<std::size_t>(j)];
-              to[static_cast<std::size_t>(i)] =
-                  p.z[static_cast<std::size_t>(i)] + std::exp(log_scale_) * e;
-            }
-          }
+          const double log_ratio = propose(p.z, random, normal, to);
           levels[k] = std::log(random.uniform()) - log_ratio + p.log_base + beta * p.log_gain;
         }
         const std::span<ModelPosterior::Value> found(values.data(), batch.size());
@@ -339,7 +414,8 @@ class Replicate {
         }
       }
       moved += accepted;
-      if (!renew) log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / n - 0.3), -6.0, 2.0);
+      if (!propose.renew)
+        log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / n - 0.3), -6.0, 2.0);
     }
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }
@@ -348,6 +424,7 @@ class Replicate {
   int model_;
   const TmcmcOptions& options_;
   std::uint64_t index_;
+  long screened_ = 0;
   std::unique_ptr<Record> from_;  // null: the prior
   std::unique_ptr<Record> to_;
   long before_ = 0;  // likelihood evaluations of earlier records
@@ -427,6 +504,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
   std::vector<double> log_evidence(r);
   std::vector<long> evaluations(r);
   std::vector<int> stages(r);
+  std::vector<long> screened(r);
   std::vector<char> sluggish(r), cut(r);
   std::vector<double> stalled(r);
   const bool growing =
@@ -441,6 +519,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
         log_evidence[i] = replicate.run();
         evaluations[i] = replicate.evaluations();
         stages[i] = replicate.stages();
+        screened[i] = replicate.screened();
         sluggish[i] = replicate.sluggish() ? 1 : 0;
         stalled[i] = replicate.stalled_at();
         cut[i] = replicate.cut() ? 1 : 0;
@@ -454,7 +533,8 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
       },
       base::carriage([&](int index, auto& parcel) {
         const auto i = static_cast<std::size_t>(index);
-        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stalled[i], cut[i]);
+        parcel(log_evidence[i], evaluations[i], stages[i], screened[i], sluggish[i], stalled[i],
+               cut[i]);
         const Eigen::Index first = static_cast<Eigen::Index>(index) * options.samples;
         for (Eigen::Index row = first; row < first + options.samples; ++row) {
           parcel(result.log_posterior[static_cast<std::size_t>(row)]);
@@ -465,6 +545,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
   Evidence& evidence = result.evidence;
   for (const long e : evaluations) evidence.likelihood_evaluations += e;
   result.stages = std::ranges::max(stages);
+  for (const long n : screened) result.screened += n;
   if (std::ranges::any_of(log_evidence, [](double l) { return std::isnan(l); })) {
     evidence.log_evidence = evidence.standard_error = std::numeric_limits<double>::quiet_NaN();
     const auto is_number = [](double x) { return !std::isnan(x); };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "inference/evidence/approximate_steps.hpp"
 #include "inference/mixtures/normal_mixture.hpp"
 #include "inference/model/model_posterior.hpp"
 
@@ -26,6 +27,10 @@ struct TmcmcOptions {
   /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
+  /// Optional, for an expensive likelihood: an approximation of ln factor + ln likelihood up to a
+  /// constant, finite at every finite z. Several threads may call it at once. Stages in which its
+  /// error is small screen their moves with it (see `tmcmc`).
+  LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
   int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
@@ -44,6 +49,8 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
   int stages = 0;                     ///< largest number of stages of any replicate
+  /// Number of half-stages with screened moves, of all replicates
+  long screened = 0;
   /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
   /// tempered posteriors, and log_posterior is empty.
   bool cut = false;
@@ -79,6 +86,15 @@ struct Tmcmc {
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.
+/// - With an approximation s(z) of ln (factor · likelihood), a move makes several Metropolis steps
+///   that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the last
+///   point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])}, where
+///   e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
+///   Scientific Computing, section 9.4.3; delayed acceptance: Christen & Fox 2005). The moves
+///   therefore leave π_j invariant for every s. The factor c minimises the standard deviation of β
+///   e over the other half of the samples. Samples are moved in this way only if this deviation is
+///   below 1.5. Samples at a posterior mode that s lacks have large errors, so that all moves of
+///   this stage use the likelihood alone.
 ///
 /// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the relative standard
 /// error of this mean times √((R-1)/(R-3)). This factor is the standard deviation of Student's t

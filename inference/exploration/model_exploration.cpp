@@ -27,6 +27,8 @@ constexpr double kDefensive = 0.05;          // weight of the prior in the mixtu
 constexpr double kWider = 1.5;  // factor on the variances of the modes' normals in a proposal
 // If the effective number of draws exceeds this share of the draws, no further round follows.
 constexpr double kGoodShare = 0.5;
+// The same for a costly likelihood, for this number of effective draws per dimension.
+constexpr double kGoodNumber = 80.0;
 constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;  // number of draws in the fit of a proposal
 // Number of components of the fit in the first and the second attempt.
@@ -263,7 +265,10 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
     components.clear();
     beyond = others.beyond(sampler);
     const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
-    if (round > 0 && sampler.efficiency() > kGoodShare && !lacks()) break;
+    const bool good =
+        sampler.efficiency() > kGoodShare ||
+        (problem.costly && sampler.effective_draws() > kGoodNumber * static_cast<double>(d));
+    if (round > 0 && good && !lacks()) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
       // With too few draws for a fit, repeats the same proposal.
       add_modes(found.modes, 0.5, components);
@@ -398,28 +403,62 @@ struct Annealed {
   bool cut = false;  // true if the draws come from tempered posteriors
 };
 
+// ln likelihood by the normal approximations at the modes, up to a constant. At each z, the highest
+// approximation counts:
+//
+//   max_k [ln π(m_k) - ½ (z - m_k)ᵀ C_k⁻¹ (z - m_k)] + ½ zᵀz.
+LogApproximation normal_approximation(const std::vector<Mode>& modes) {
+  constexpr std::size_t kMost = 8;
+  struct Normals {
+    std::vector<Vector> means;
+    std::vector<Matrix> precisions;
+    std::vector<double> heights;
+  };
+  auto of = std::make_shared<Normals>();
+  const std::vector<Mode> used(
+      modes.begin(), modes.begin() + static_cast<std::ptrdiff_t>(std::min(modes.size(), kMost)));
+  of->precisions = precisions_of(used);
+  for (const Mode& mode : used) {
+    of->means.push_back(
+        Eigen::Map<const Vector>(mode.z.data(), static_cast<Eigen::Index>(mode.z.size())));
+    of->heights.push_back(mode.log_posterior);
+  }
+  return [of = std::shared_ptr<const Normals>(std::move(of))](std::span<const double> z) {
+    const Eigen::Map<const Vector> at(z.data(), static_cast<Eigen::Index>(z.size()));
+    double top = -kInfinity;
+    for (std::size_t k = 0; k < of->means.size(); ++k) {
+      const Vector e = at - of->means[k];
+      top = std::max(top, of->heights[k] - 0.5 * e.dot(of->precisions[k] * e));
+    }
+    return top + 0.5 * at.squaredNorm();
+  };
+}
+
 // Runs SMC from the prior. Returns no draws if SMC fails.
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
   const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
   double done = 0.0;
   try {
-    Tmcmc annealed = tmcmc(problem, model,
-                           {.seed = options.seed,
-                            .replicates = kExplorations,
-                            .samples = std::max(particles / kExplorations, 50),
-                            // Sufficient for an exploration; a requested evidence needs less.
-                            .weight_cov = 1.0,
-                            .acceptances = brief ? 1.0 : 4.0,
-                            .path = brief ? TmcmcPath::growing : TmcmcPath::better,
-                            .most_evaluations = brief ? kBriefCalls : 0,
-                            .threads = options.threads,
-                            .progress =
-                                [&](double share) {
-                                  done += share;
-                                  return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
-                                },
-                            .stop = options.stop});
+    Tmcmc annealed = tmcmc(
+        problem, model,
+        {.seed = options.seed,
+         .replicates = kExplorations,
+         .samples = std::max(particles / kExplorations, 50),
+         // Sufficient for an exploration; a requested evidence needs less.
+         .weight_cov = 1.0,
+         .acceptances = brief ? 1.0 : 4.0,
+         .path = brief ? TmcmcPath::growing : TmcmcPath::better,
+         .approximation =
+             problem.costly && !found.modes.empty() ? normal_approximation(found.modes) : nullptr,
+         .most_evaluations = brief ? kBriefCalls : 0,
+         .threads = options.threads,
+         .progress =
+             [&](double share) {
+               done += share;
+               return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
+             },
+         .stop = options.stop});
     found.annealed = annealed.evidence;
     found.calls.anneal += annealed.evidence.likelihood_evaluations;
     if (!annealed.cut) {
@@ -495,10 +534,19 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
       return;
     }
   }
-  append(anneal(problem, model, options, false, report, found).draws, draws);
+  const Annealed full = anneal(problem, model, options, false, report, found);
+  append(full.draws, draws);
   if (report.stopped()) return;
-  climb_from(problem, model, options, some_of(draws), found);
+  const bool another = climb_from(problem, model, options, some_of(draws), found);
   if (report.stopped() || (found.modes.empty() && draws.rows() == 0)) return;
+  // With an expensive likelihood, the importance sample of the survey remains if SMC found no
+  // further probability mass.
+  const Eigen::Index outside = outlying(full.draws, found.modes).rows();
+  if (problem.costly && found.efficiency > 0.0 && confirmed(full, another, found) && !another &&
+      static_cast<double>(outside) <= kLacking * static_cast<double>(full.draws.rows())) {
+    report(1.0);
+    return;
+  }
   if (weigh_model(problem, model, options, draws, found)) report(1.0);
 }
 

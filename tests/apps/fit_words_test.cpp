@@ -45,6 +45,16 @@ TEST(FitWords, TheHeadlineNamesTheFirst) {
                              "0.20), and the residual is not noise.")));
 }
 
+// Fault: a quick run whose chains had missed the damages said that no number of damages explains
+// the frequencies.
+TEST(FitWords, ChainsThatDisagreeExcludeNoNumberOfDamages) {
+  FitVerdict verdict{.why = {misfit::BeyondNoise{.p = 1e-9, .modes = {2}, .emulated = false}}};
+  EXPECT_THAT(in_words(verdict), ElementsAre(StartsWith("No number of damages explains")));
+  std::get<misfit::BeyondNoise>(verdict.why[0]).chains_agree = false;
+  EXPECT_THAT(in_words(verdict),
+              ElementsAre(StartsWith("The Markov chains disagree and may have missed damages")));
+}
+
 // Fault: "6.1e+02 s".
 TEST(Words, DurationsAreReadAsOneWouldSayThem) {
   EXPECT_EQ(duration(0.031), "0.031 s");

@@ -215,5 +215,24 @@ TEST(RepeatsCase, StatesHaveTheirOwnTests) {
   EXPECT_NEAR(update.states->list[1].data.covariance(0, 0), 0.027 * 0.027, 1e-12);
 }
 
+// The keys "columns" and "row" of the block select from its file, which a state with repeated tests
+// does not use.
+TEST(RepeatsCase, StatesWithTestsIgnoreTheSelectionFromAFile) {
+  const Workspace where;
+  where.write("runs.csv", "run,f1 [Hz],f2 [Hz]\n1,2.71,6.49\n2,2.72,6.51\n");
+  json text = two_masses(tests_of_two_modes(20));
+  const json first = text["data"]["repeats"];
+  text["data"] = {
+      {"file", "runs.csv"},
+      {"columns", {"f1 [Hz]", "f2 [Hz]"}},
+      {"row", 2},
+      {"cov", 0.01},
+      {"states", {{{"repeats", first}}, {{"masses", {{{"node", "1"}, {"mass", 0.1}}}}}}}};
+  const auto update = parse_update_case(read_case(where.write_json("case.json", text))).update;
+  ASSERT_TRUE(update.states);
+  EXPECT_TRUE(update.states->list[0].data.repeats);
+  EXPECT_EQ(update.states->list[1].data.frequencies_hz[0], 2.72);
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

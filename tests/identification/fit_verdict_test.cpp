@@ -10,6 +10,7 @@
 #include "identification/sid/sid_plausibility.hpp"
 #include "identification/structural/damage/damage_plausibility.hpp"
 #include "identification/structural/damage/findings/damage_findings.hpp"
+#include "inference/diagnosis/convergence.hpp"
 #include "tests/identification/cases.hpp"
 #include "tests/identification/sid_cases.hpp"
 
@@ -211,6 +212,30 @@ TEST(Plausibility, ReportsALengthInMillimetresBeforeSampling) {
   EXPECT_TRUE(implausible(*make_damage_problem(small_beam(1), {})).empty());
   const DamageFindings f = damaged(c);
   EXPECT_NE(find<misfit::BeyondNoise>(f.fit_verdict.why), nullptr);
+}
+
+// Chains whose log likelihoods differ by more than the misfit may have missed the damages.
+TEST(FitVerdict, StatesWhetherTheChainsOfAMisfitAgree) {
+  DamageCase c = small_beam(1);
+  c.beam.length = 1000.0;
+  c.kinds[0].location = inference::Uniform{0.0, 1000.0};
+  const auto problem = make_damage_problem(c, {});
+  auto posterior =
+      inference::reversible_jump(problem->problem, {.chains = 2, .warmup = 500, .draws = 500});
+  // The log likelihoods of both chains are alike, then far apart.
+  for (const double apart : {0.0, 1e3, 1e9}) {
+    for (std::size_t i = 0; i < 500; ++i)
+      for (std::size_t chain = 0; chain < 2; ++chain) {
+        posterior.chains[chain].log_prior[i] = 0.0;
+        posterior.chains[chain].log_likelihood[i] =
+            std::sin(2.4 * static_cast<double>(i)) - apart * static_cast<double>(chain);
+      }
+    const DamageFindings f = damage_findings(*problem, posterior, {}, 1);
+    const auto* reason = find<misfit::BeyondNoise>(f.fit_verdict.why);
+    ASSERT_NE(reason, nullptr);
+    EXPECT_EQ(reason->chains_agree, apart < 1e9) << apart;
+  }
+  EXPECT_FALSE(inference::chains_agree(posterior));
 }
 
 TEST(Plausibility, ReportsNoiseInPerCentBeforeSampling) {

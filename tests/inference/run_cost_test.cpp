@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "inference/diagnosis/verdict.hpp"
 #include "inference/engine/reversible_jump.hpp"
@@ -39,6 +40,42 @@ TEST(RunCost, CallsOfTheStagesAddUp) {
   EXPECT_EQ(calls.explore + calls.tune, posterior.warmup_evaluations);
   EXPECT_GT(calls.tune, 0);
   EXPECT_GT(calls.sample, 2000);
+}
+
+// Correlated normal likelihood in six dimensions, as if it were costly.
+Problem costly_normal() {
+  class Normals : public Likelihood {
+   public:
+    double log_likelihood(int /*model*/, std::span<const double> x) override {
+      double sum = 0.0, before = 0.3;
+      for (const double v : x) {
+        const double r = (v - 0.8 * before) / 0.1;
+        sum -= 0.5 * r * r;
+        before = v;
+      }
+      return sum;
+    }
+  };
+  std::vector<Parameter> parameters;
+  std::vector<std::string> names;
+  for (int i = 0; i < 6; ++i) {
+    names.push_back("a" + std::to_string(i));
+    parameters.push_back({names.back(), Normal{0.0, 1.0}});
+  }
+  Problem out{.space = ModelSpace::of_models(std::move(parameters), {{"only", 1.0, names}}),
+              .likelihood = [] { return std::make_unique<Normals>(); }};
+  out.costly = true;
+  return out;
+}
+
+// The first mixture fits: one round of tuning suffices, and the moves of SMC are screened.
+TEST(RunCost, CostlyNormalPosteriorNeedsFewEvaluations) {
+  const Problem problem = costly_normal();
+  const Posterior posterior = reversible_jump(problem, {});
+  EXPECT_TRUE(posterior.converged());
+  EXPECT_LE(posterior.calls.tune, 4 * 2500);
+  EXPECT_LE(posterior.calls.search, 110'000);
+  EXPECT_LE(posterior.calls.anneal, 25'000);
 }
 
 // A damped oscillation a e^(-bt) cos(wt), with or without damping, in 400 samples: a record that

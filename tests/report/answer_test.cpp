@@ -169,6 +169,11 @@ TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
   EXPECT_THAT(answer(run).headline,
               StartsWith("No number of damages that the case allows explains the frequencies "
                          "(predictive p < 1e-15). Best model: One damage (65.1 %)."));
+  // Chains that disagree may have missed the damages.
+  run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false, false}};
+  EXPECT_THAT(answer(run).headline,
+              StartsWith("The draws so far do not explain the frequencies (predictive p < 1e-15), "
+                         "and the Markov chains disagree. Best model: One damage (65.1 %)."));
   run.findings.fit_verdict.why = {misfit::WithinNoise{0.99999998, 0.2}};
   EXPECT_THAT(answer(run).headline, StartsWith("The frequencies fit more closely than the stated "
                                                "noise of 20 % allows (predictive p > 0.9999)."));

@@ -50,17 +50,22 @@ class SparseFactor {
   /// Solves A x = b for one right-hand side of each of W matrices, in place.
   template <int W>
   void solve(const Values& factor, double* x) const;
+  /// Solves A x = b for R right-hand sides of one matrix, in place. Entry i of the right-hand side
+  /// r is x[i R + r].
+  template <int R>
+  void solve_several(const Values& factor, double* x) const;
 
  private:
-  std::vector<std::size_t> to_;              // position of each unknown
-  std::vector<std::size_t> start_;           // first entry of each column, and the end
-  std::vector<std::size_t> rows_, columns_;  // the row and column of an entry
-  std::vector<std::uint32_t> targets_;       // entry (a, b) for rows b < a of each column
+  std::vector<std::size_t> to_;                // position of each unknown
+  std::vector<std::size_t> start_;             // first entry of each column, and the end
+  std::vector<std::uint32_t> rows_, columns_;  // the row and column of an entry
+  std::vector<std::uint32_t> targets_;         // entry (a, b) for rows b < a of each column
 };
 
 extern template void SparseFactor::factorise<1>(Values&) const;
 extern template void SparseFactor::factorise<4>(Values&) const;
 extern template void SparseFactor::solve<1>(const Values&, double*) const;
 extern template void SparseFactor::solve<4>(const Values&, double*) const;
+extern template void SparseFactor::solve_several<4>(const Values&, double*) const;
 
 }  // namespace wheeltap::fem

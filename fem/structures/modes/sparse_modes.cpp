@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/eigen_solvers.hpp"
+#include "fem/structures/modes/tridiagonal.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -78,6 +79,14 @@ SparseModes::SparseModes(const ParametricStructure& structure, Index massive, In
       touching_[factor_.row(i)].push_back(i);
       touching_[factor_.column(i)].push_back(i);
     }
+  // Entries of `lower` are stored column by column.
+  for (std::size_t column = 0, k = 0; column < at(n_); ++column) {
+    column_start_.push_back(k);
+    for (; k < used_.size() && factor_.column(used_[k]) == column; ++k)
+      in_column_.push_back({.entry = static_cast<std::uint32_t>(used_[k]),
+                            .row = static_cast<std::uint32_t>(factor_.row(used_[k]))});
+  }
+  column_start_.push_back(used_.size());
   const auto moved = [&](SparseRow row) {
     for (int& dof : row.dofs)
       dof = static_cast<int>(factor_.position(static_cast<std::size_t>(dof)));
@@ -116,9 +125,18 @@ void SparseModes::add(double factor, const Entries& entries, double* diagonal, d
 void SparseModes::times(const double* diagonal, const double* lower, const double* u,
                         double* out) const {
   for (Index i = 0; i < n_; ++i) out[i] = diagonal[i] * u[i];
-  for (const std::size_t e : used_) {
-    out[factor_.row(e)] += lower[e] * u[factor_.column(e)];
-    out[factor_.column(e)] += lower[e] * u[factor_.row(e)];
+  const auto size = static_cast<std::size_t>(n_);
+  for (std::size_t column = 0; column < size; ++column) {
+    // No later column changes out[column].
+    const double by = u[column];
+    double sum = out[column];
+    for (std::size_t k = column_start_[column]; k < column_start_[column + 1]; ++k) {
+      const double value = lower[in_column_[k].entry];
+      const std::uint32_t row = in_column_[k].row;
+      out[row] += value * by;
+      sum += value * u[row];
+    }
+    out[column] = sum;
   }
 }
 
@@ -191,12 +209,20 @@ bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspa
   momenta = momenta * ritz.eigenvectors();
   forces = forces * ritz.eigenvectors();
   ws.residuals.resize(elastic_);
-  VectorXd moved(n_);
-  for (Index i = 0; i < elastic_; ++i) {
-    const VectorXd residual = forces.col(i) - ws.eigenvalues[i] * momenta.col(i);
-    moved = residual;
-    factor_.solve<1>(ws.shifted, moved.data());
-    ws.residuals[i] = std::sqrt(std::max(0.0, residual.dot(moved)) / ws.eigenvalues[i]);
+  // √(rᵀ K⁻¹ r / λ) of each mode, several at once.
+  const MatrixXd residuals = forces - momenta * ws.eigenvalues.asDiagonal();
+  std::vector<double> moved(kLanes * at(n_));
+  for (Index group = 0; group < elastic_; group += kLanes) {
+    const Index count = std::min<Index>(kLanes, elastic_ - group);
+    std::ranges::fill(moved, 0.0);
+    for (Index w = 0; w < count; ++w)
+      for (Index i = 0; i < n_; ++i) moved[at(kLanes * i + w)] = residuals(i, group + w);
+    factor_.solve_several<kLanes>(ws.shifted, moved.data());
+    for (Index w = 0; w < count; ++w) {
+      const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(moved.data() + w, n_);
+      ws.residuals[group + w] =
+          std::sqrt(std::max(0.0, residuals.col(group + w).dot(mine)) / ws.eigenvalues[group + w]);
+    }
   }
   return ws.residuals.allFinite();
 }
@@ -259,18 +285,19 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorX
     if (!full) beta[j] = append(known + j + 1);
     const bool invariant = full || beta[j] <= kInvariant * std::abs(alpha[0]);
     if (!invariant && (j < first_check || (j - first_check) % kBetweenChecks != 0)) continue;
-    Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
     if (!alpha.head(j + 1).allFinite() || !beta.head(j + 1).allFinite()) return false;
-    ritz.computeFromTridiagonal(alpha.head(j + 1), beta.head(j), Eigen::ComputeEigenvectors);
-    if (ritz.info() != Eigen::Success) return false;
+    VectorXd values, last;
+    if (!last_components(alpha.head(j + 1), beta.head(j), values, last)) return false;
     const Index k = std::min(wanted, j + 1);
     Index converged = 0;
-    while (converged < k &&
-           (invariant || beta[j] * std::abs(ritz.eigenvectors()(j, j - converged)) <
-                             kRitzConverged * ritz.eigenvalues()[j - converged]))
+    while (converged < k && (invariant || beta[j] * std::abs(last[j - converged]) <
+                                              kRitzConverged * values[j - converged]))
       ++converged;
     if (converged < k) continue;
     if (full && j + 1 < massive_ - known) return false;  // did not converge
+    Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
+    ritz.computeFromTridiagonal(alpha.head(j + 1), beta.head(j), Eigen::ComputeEigenvectors);
+    if (ritz.info() != Eigen::Success) return false;
     const Index kept = k, more = std::min<Index>(j + 1 - k, 3);
     beyond = ritz.eigenvalues().head(j + 1 - k).tail(more).reverse();
     locked.conservativeResize(n_, known + kept);

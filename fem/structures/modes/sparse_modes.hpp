@@ -2,6 +2,7 @@
 // matrices.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -86,7 +87,13 @@ class SparseModes {
   SparseFactor factor_;
   std::vector<Entries> terms_, mass_slopes_;
   Entries mass_;
-  std::vector<std::size_t> used_;                   // entries of `lower` that are not fill-in
+  std::vector<std::size_t> used_;  // entries of `lower` that are not fill-in
+  /// The same entries with their rows, column by column, and the first entry of each column.
+  struct InColumn {
+    std::uint32_t entry, row;
+  };
+  std::vector<InColumn> in_column_;
+  std::vector<std::size_t> column_start_;
   std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in a row or column
   std::vector<SparseRow> motions_;                  // in the order of the factor
   std::vector<SparseRow> strains_;                  // in the order of the factor

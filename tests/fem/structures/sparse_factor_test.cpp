@@ -62,8 +62,19 @@ void expect_solutions_of(const Eigen::SparseMatrix<double>& pattern, std::mt1993
           right(i, w);
     }
   }
+  // Four right-hand sides of a single matrix: multiples of the first.
+  std::vector<double> several;
+  for (const double v : x)
+    for (int r = 0; r < 4 && W == 1; ++r) several.push_back((1.0 + r) * v);
   factor.factorise<W>(values);
   factor.solve<W>(values, x.data());
+  if (W == 1) {
+    factor.solve_several<4>(values, several.data());
+    double most = 0.0;
+    for (const double v : x) most = std::max(most, std::abs(v));
+    for (std::size_t i = 0; i < several.size(); ++i)
+      EXPECT_NEAR(several[i], (1.0 + static_cast<double>(i % 4)) * x[i / 4], 1e-11 * most);
+  }
   for (int w = 0; w < W; ++w) {
     const MatrixXd& a = matrices[static_cast<std::size_t>(w)];
     VectorXd ours(n);

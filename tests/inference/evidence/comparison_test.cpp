@@ -28,6 +28,21 @@ TEST(ImpliedProbabilities, WeighEvidenceByPrior) {
   EXPECT_THROW((void)implied_probabilities(three(), {{0.0, 0.0}}), std::invalid_argument);
 }
 
+// Fault: 1 - P of the most probable model was rounded to 0, so that its own evidence had no error.
+TEST(ImpliedProbabilities, HaveErrorsOfNearlyCertainModels) {
+  const double never = -std::numeric_limits<double>::infinity();
+  const ImpliedProbabilities p =
+      implied_probabilities(three(), {{0.0, 0.3}, {-276.0, 0.4}, {never, 0.0}});
+  const double small = p.mean[1];
+  EXPECT_LT(small, 1e-100);
+  EXPECT_NEAR(p.standard_error[0] / small, 0.5, 1e-9);
+  EXPECT_NEAR(p.standard_error[1] / small, 0.5, 1e-9);
+  // Without an error of the certain model, the error of its probability is still finite.
+  EXPECT_TRUE(std::isfinite(
+      implied_probabilities(three(), {{0.0, std::nan("")}, {-276.0, 0.4}, {never, 0.0}})
+          .standard_error[0]));
+}
+
 TEST(Disagreements, AreReportedOnlyBeyondTheCombinedError) {
   const ImpliedProbabilities implied{{0.5, 0.3, 0.2}, {0.03, 0.03, 0.0}};
   EXPECT_TRUE(disagreements({0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "tests/inference/evidence/problems.hpp"
 
@@ -41,6 +45,54 @@ TEST(Tmcmc, KeepsModesInProportion) {
   for (Eigen::Index i = 0; i < result.z.rows(); ++i) right += result.z(i, 0) > 0.0 ? 1.0 : 0.0;
   // 4000 samples minus the loss by resampling; the replicates show a standard error of 2 %.
   EXPECT_NEAR(right / static_cast<double>(result.z.rows()), 0.75, 0.08);
+}
+
+// The approximation has an error of sd 0.5 along the posterior.
+TEST(Tmcmc, IsExactWithAnApproximationThatSavesEvaluations) {
+  const Known known = linear_gaussian(6);
+  const auto likelihood = known.problem.likelihood();
+  const LogApproximation approximation = [&](std::span<const double> z) {
+    std::vector<double> x(z.begin(), z.end());
+    for (double& v : x) v = 1.0 + 2.0 * v;  // the prior is N(1, 2²)
+    return likelihood->log_likelihood(0, x) + 0.7 * std::sin(20.0 * z[0]);
+  };
+  double squares = 0.0, covered = 0.0;
+  long plain = 0, screened = 0;
+  constexpr int kSeeds = 20;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    TmcmcOptions options{.seed = seed, .samples = 200, .threads = 1};
+    plain += tmcmc(known.problem, 0, options).evidence.likelihood_evaluations;
+    options.approximation = approximation;
+    const Tmcmc result = tmcmc(known.problem, 0, options);
+    EXPECT_GT(result.screened, result.stages);  // of 16 half-stages a stage
+    screened += result.evidence.likelihood_evaluations;
+    const double z =
+        (result.evidence.log_evidence - known.log_evidence) / result.evidence.standard_error;
+    squares += z * z / kSeeds;
+    covered += std::fabs(z) < 1.96 ? 1.0 : 0.0;
+  }
+  std::printf("    %ld evaluations instead of %ld, rms error %.2f standard errors\n", screened,
+              plain, std::sqrt(squares));
+  EXPECT_LT(screened, plain * 2 / 3);
+  // Nominal 0.95; less than 0.75 of 20 has a probability below 1e-3.
+  EXPECT_GE(covered, 0.75 * kSeeds);
+}
+
+// The approximation has only the mode with a quarter of the probability.
+TEST(Tmcmc, KeepsModesThatTheApproximationLacks) {
+  const Known known = two_narrow_modes(2);
+  TmcmcOptions options{.seed = 2};
+  options.approximation = [](std::span<const double> z) {
+    double sum = 0.0;
+    for (const double v : z) sum -= 0.5 * (v + 1.0) * (v + 1.0) / (0.05 * 0.05);
+    return sum;
+  };
+  const Tmcmc result = tmcmc(known.problem, 0, options);
+  double right = 0.0;
+  for (Eigen::Index i = 0; i < result.z.rows(); ++i) right += result.z(i, 0) > 0.0 ? 1.0 : 0.0;
+  EXPECT_NEAR(right / static_cast<double>(result.z.rows()), 0.75, 0.08);
+  EXPECT_NEAR(result.evidence.log_evidence, known.log_evidence,
+              kErrors * result.evidence.standard_error);
 }
 
 TEST(Tmcmc, NestedMeans) {

@@ -11,6 +11,7 @@
 #include "identification/structural/damage/findings/damage_modes.hpp"
 #include "identification/structural/damage/findings/rival_places.hpp"
 #include "identification/structural/damage/findings/symmetry_finding.hpp"
+#include "inference/diagnosis/convergence.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -199,6 +200,21 @@ long emulator_stride(const DamageProblem& problem) {
   return problem.emulator && !problem.exact() && problem.emulator->is_slow() ? 50 : 1;
 }
 
+// False if the chains disagree by more than the misfit. A chain that improved as much as the chains
+// differ would then explain the data. `best` is the smallest χ² of the draws.
+bool excludes_fit(const Posterior& posterior, int measured, double best) {
+  if (inference::chains_agree(posterior)) return true;
+  double low = kInfinity, high = -kInfinity;  // mean log likelihoods of the chains
+  for (const inference::Chain& chain : posterior.chains) {
+    const double sum =
+        std::accumulate(chain.log_likelihood.begin(), chain.log_likelihood.end(), 0.0);
+    const double mean = sum / static_cast<double>(std::max<std::size_t>(1, chain.size()));
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  return !(chi_square_tail(measured, std::max(0.0, best - 2.0 * (high - low))) >= kMisfit);
+}
+
 // Fit of the models to the data, and the diagnosis of the fit.
 std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                               std::vector<Remark>& remarks) {
@@ -223,7 +239,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   ModeObservation::Scored scored;
   const ModalLikelihood::Score& score = scored.score;
   long visited = 0;
-  double mean_p = 0.0, weight_seen = 0.0;
+  double mean_p = 0.0, weight_seen = 0.0, best = kInfinity;  // best: smallest χ²
   std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
   SingleModes single(problem);
   draws.for_each([&](std::size_t c, std::size_t i) {
@@ -244,6 +260,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     if (problem.by_modes()) {
       if (!by_shapes.score(posterior.chains[c].model[i], x, scored)) return;
       mean_p += weight * chi_square_tail(std::max(score.freedoms, 1), score.chi_square);
+      best = std::min(best, score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
       // Normalised by the full covariance, which includes the model discrepancy.
@@ -262,6 +279,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       if ((visited - 1) % kept_every == 0)
         single.pass(posterior.chains[c].model[i], weight, densities);
       mean_p += weight * chi_square_tail(data.measured(), squares);
+      best = std::min(best, squares);
     }
     weight_seen += weight;
   });
@@ -294,7 +312,10 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   if (problem.by_modes()) out.shapes = best_shapes(problem, posterior);
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(
-        misfit::BeyondNoise{out.posterior_predictive_p, off, problem.emulator != nullptr});
+        misfit::BeyondNoise{.p = out.posterior_predictive_p,
+                            .modes = off,
+                            .emulated = problem.emulator != nullptr,
+                            .chains_agree = excludes_fit(posterior, data.measured(), best)});
   } else if (out.posterior_predictive_p < 0.005) {
     remarks.push_back(remark::NoModelFits{off, problem.emulator != nullptr});
   } else if (out.posterior_predictive_p > 1.0 - kMisfit) {

@@ -1,0 +1,20 @@
+// Eigenvalues of symmetric tridiagonal matrices with one component of each eigenvector.
+#pragma once
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::fem {
+
+/// Computes the eigenvalues of the symmetric tridiagonal matrix T with this diagonal (n >= 1
+/// entries) and the n - 1 entries `below` it, ascending, and the last component of each unit
+/// eigenvector:
+///
+///   T q_i = values_i q_i,   last_i = e_nᵀ q_i (up to the sign).
+///
+/// The method is implicit QL, which rotates only the last row of the eigenvectors and takes O(n²)
+/// operations (Golub & Welsch 1969, Mathematics of Computation 23:221). Returns false without
+/// convergence. The entries must be finite.
+bool last_components(Eigen::VectorXd diagonal, const Eigen::VectorXd& below,
+                     Eigen::VectorXd& values, Eigen::VectorXd& last);
+
+}  // namespace wheeltap::fem
