@@ -68,6 +68,10 @@ TEST_F(PlanCommand, AnUnknownModulusMakesDamageHarderToDetect) {
   };
   EXPECT_LT(alone("unknown"), alone("known") - 0.1);
   EXPECT_LT(plan("unknown").at("unknown_coefficients").at("q90").get<double>(), 0.5);
+  // Before: damage.json had a truth, from which no command simulates unknown coefficients.
+  const json rehearsal = json::parse(read_all(where / "unknown/damage.json"));
+  EXPECT_FALSE(rehearsal.at("damage").contains("truth"));
+  EXPECT_EQ(rehearsal.at("data").at("from"), "modes.json");
 }
 
 // Before: "cov" and "shape_sd" were single numbers.

@@ -342,6 +342,12 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
       "Written by wheeltap plan: the recommended sensors and the uncertainty of their data.",
       "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\", and "
       "replace the keys of data by \"from\": \"modes.json\" and \"sensors\"."};
+  // A case with unknown coefficients needs measured modes: Wheeltap does not simulate its data.
+  const bool known = structure.unknowns() == 0;
+  if (!known)
+    out["notes"] = {
+        "Written by wheeltap plan: the recommended sensors. Put the modes.json of the test beside "
+        "this case."};
   Report data = {{"cov", compact(cov)}};
   Report truth = {{"defects", Report::array({defect})}, {"cov", compact(cov)}, {"modes", modes}};
   if (best.design.sensors.size() >= 2) {
@@ -351,12 +357,17 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
     data["shape_sd"] = compact(findings.measured_shape_sd);
     truth["shape_sd"] = compact(findings.measured_shape_sd);
   }
+  if (!known) {
+    Report measured = {{"from", "modes.json"}};
+    if (data.contains("sensors")) measured["sensors"] = data["sensors"];
+    data = measured;
+  }
   out["data"] = data;
   Report damage = Report(parsed.parsed.file.json.at("damage"));
   auto& blocks = damage.is_array() ? damage[index(place.kind)] : damage;
   if (damage.is_array())
     for (auto& block : damage) block.erase("truth");
-  blocks["truth"] = truth;
+  if (known) blocks["truth"] = truth;
   out["damage"] = damage;
   return out;
 }
