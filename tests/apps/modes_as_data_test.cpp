@@ -240,7 +240,7 @@ TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
   where.write("m.json", modes_json(modes).dump());
   const auto diagonal = parsed(where, {{"from", "m.json"}, {"modes", 3}});
   EXPECT_EQ(diagonal.covariance(0, 2), 0.0);
-  EXPECT_THAT(diagonal.origin, HasSubstr("without their correlations"));
+  EXPECT_THAT(diagonal.origin, HasSubstr("without correlations"));
 }
 
 TEST(ModesAsData, DirectionsByAngles) {
