@@ -19,7 +19,7 @@ namespace {
 using Eigen::VectorXd;
 
 /// A simply supported beam with nine candidate sensors and at most one damage.
-PlanCase beam_plan() {
+PlanCase plan_of_unknown_beam() {
   PlanCase plan;
   plan.damage_case.beam = {
       .length = 1.0,
@@ -51,7 +51,7 @@ PlanCase beam_plan() {
 
 /// The same beam with an unknown Young's modulus.
 PlanCase with_unknown_modulus(double sd) {
-  PlanCase plan = beam_plan();
+  PlanCase plan = plan_of_unknown_beam();
   StructureModel model{.nominal = fem::as_structure(plan.damage_case.beam)};
   model.parameters = {{"E", inference::Prior(inference::LogNormal{std::log(70e9), sd})}};
   model.setters = {[](AnyStructure& structure, double young) {
@@ -145,7 +145,7 @@ TEST(PlannedUnknowns, AnUnknownModulusReducesTheInformationOfFrequencies) {
                       {.scenarios = 2000, .tolerance = 0.05})[0];
     return scores.information.value;
   };
-  EXPECT_LT(information(with_unknown_modulus(0.03)), information(beam_plan()) - 0.2);
+  EXPECT_LT(information(with_unknown_modulus(0.03)), information(plan_of_unknown_beam()) - 0.2);
 }
 
 TEST(PlannedUnknowns, RefusesAddedMasses) {
@@ -164,7 +164,7 @@ TEST(PlannedNoise, ListsHoldOneValuePerMode) {
   EXPECT_EQ(noise.shape_sd_now(0), 0.0003);
   EXPECT_EQ(noise.shape_sd_now(3), 0.005);
   // The data of each mode have its noise.
-  PlanCase plan = beam_plan();
+  PlanCase plan = plan_of_unknown_beam();
   const PlannedStructure structure(plan.damage_case, plan.structure);
   plan.noise.shape_sds = {0.01, 0.02};
   PlannedStructure::Solver solver(structure);
@@ -209,7 +209,7 @@ TEST(PlannedValue, ATestWithoutInformationHasNoPositiveValueOnAverage) {
 
 // Before: P(right place) of the last severity with simulated tests was copied to larger severities.
 TEST(PlannedDetection, SimulatesTheLargestSeverities) {
-  PlanCase plan = beam_plan();
+  PlanCase plan = plan_of_unknown_beam();
   plan.noise.shape_sd = 0.03;
   const PlanModel model(plan, {});
   const PreparedDesign design =
