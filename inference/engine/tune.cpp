@@ -54,9 +54,10 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
 }
 
 // True if the proposals fit the posterior well enough that a costly likelihood needs no more
-// rounds.
+// rounds. False if the user states the number of warm-up iterations or of draws.
 bool is_tuned(const RunContext& run, const RunState& state) {
-  if (!run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
+  const bool is_given = run.options.warmup > 0 || run.options.draws > 0;
+  if (is_given || !run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
       state.at.tuned < kStepsADimension * run.space()[0].dimension)
     return false;
   const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);

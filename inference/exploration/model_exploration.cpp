@@ -29,6 +29,7 @@ constexpr double kWider = 1.5;  // factor on the variances of the modes' normals
 constexpr double kGoodShare = 0.5;
 // The same for a costly likelihood, for this number of effective draws per dimension.
 constexpr double kGoodNumber = 80.0;
+constexpr double kFewestDraws = 500.0;  // effective draws of a trusted importance sample
 constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;  // number of draws in the fit of a proposal
 // Number of components of the fit in the first and the second attempt.
@@ -267,7 +268,8 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
     const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
     const bool good =
         sampler.efficiency() > kGoodShare ||
-        (problem.costly && sampler.effective_draws() > kGoodNumber * static_cast<double>(d));
+        (problem.costly &&
+         sampler.effective_draws() > std::max(kFewestDraws, kGoodNumber * static_cast<double>(d)));
     if (round > 0 && good && !lacks()) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
       // With too few draws for a fit, repeats the same proposal.
@@ -289,7 +291,8 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
   found.pareto = pareto_tail(log_weights);
   found.effective_draws = sampler.effective_draws();
   found.efficiency = sampler.efficiency();
-  const bool trusted = found.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
+  const bool trusted =
+      found.effective_draws >= std::max(kFewestDraws, 50.0 * static_cast<double>(d));
   Matrix population = trusted ? sampler.resampled(kPopulation, random)
                               : draws_and_modes(draws, found.modes, random);
   if (trusted && beyond.rows() > 0) append(beyond, population);
@@ -356,6 +359,10 @@ Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
     if (e.dot(precisions[at] * e) > d + kFar * (1.0 + std::sqrt(2.0 * d))) rows.push_back(i);
   }
   return draws(rows, Eigen::indexing::all);
+}
+
+bool are_equal(const std::vector<Mode>& a, const std::vector<Mode>& b) {
+  return std::ranges::equal(a, b, {}, &Mode::z, &Mode::z);
 }
 
 // Climbs from `starts`. Returns true if the climbs lead to a new mode.
@@ -537,12 +544,14 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   const Annealed full = anneal(problem, model, options, false, report, found);
   append(full.draws, draws);
   if (report.stopped()) return;
+  const std::vector<Mode> before = found.modes;
   const bool another = climb_from(problem, model, options, some_of(draws), found);
   if (report.stopped() || (found.modes.empty() && draws.rows() == 0)) return;
   // With an expensive likelihood, the importance sample of the survey remains if SMC found no
-  // further probability mass.
+  // further probability mass, and the climbs found and removed no mode.
   const Eigen::Index outside = outlying(full.draws, found.modes).rows();
-  if (problem.costly && found.efficiency > 0.0 && confirmed(full, another, found) && !another &&
+  if (problem.costly && found.efficiency > 0.0 && confirmed(full, another, found) &&
+      are_equal(before, found.modes) &&
       static_cast<double>(outside) <= kLacking * static_cast<double>(full.draws.rows())) {
     report(1.0);
     return;
