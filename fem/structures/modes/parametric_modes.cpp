@@ -35,7 +35,7 @@ constexpr Index kBlocks = 3;
 /// Shapes with a smaller relative distance of 1/(λ + σ) are differentiated as a subspace.
 constexpr double kTwin = 1e-6;
 /// Time of a multiplication in sparse matrices, relative to that in dense matrices.
-constexpr double kIrregular = 2.0;
+constexpr double kIrregular = 1.0;
 /// Largest number of degrees of freedom for sparse matrices; the factor of a larger space frame may
 /// have more products than fit in memory.
 constexpr Index kMostSparse = 2000;
@@ -389,12 +389,31 @@ struct ParametricModes::Impl {
     shifted.compute(Sparse(d.stiffness + sigma * d.mass));
     lifted = shifted.solve(structure->low_rank());
     compliance = structure->low_rank().transpose() * lifted;
-    extend(nominal.shapes);
+    // A few points often show at once that the sparse matrices take less time.
+    constexpr std::size_t kFew = 40;
+    if (candidate && points.size() > kFew) {
+      const std::vector<std::vector<double>> few(points.begin(), points.begin() + kFew);
+      if (grow(few, nominal.shapes, snapshot, candidate, nullptr)) return;
+      basis.resize(n, 0);
+    }
+    if (grow(points, nominal.shapes, snapshot, candidate, options.progress)) return;
+    training.basis = static_cast<int>(basis.cols());
+    training.complete = basis.cols() == n;
+    Workspace::Impl ws;
+    count(points, ws);
+  }
+
+  /// Adds modes at the points with the largest error bounds until all bounds are small. Returns
+  /// true if the sparse matrices take less time than the basis.
+  bool grow(const std::vector<std::vector<double>>& points, const MatrixXd& nominal, Index snapshot,
+            std::unique_ptr<const SparseModes>& candidate,
+            const std::function<void(double)>& progress) {
+    extend(nominal);
     extend(lifted);
-    if (take_sparse(basis.cols(), candidate)) return;
+    if (take_sparse(basis.cols(), candidate)) return true;
     project();
     training.solved = 1;
-    std::vector<std::size_t> bad, good_points;
+    std::vector<std::size_t> bad;
     for (std::size_t i = 0; i < points.size(); ++i) bad.push_back(i);
     Workspace::Impl ws;
     std::vector<bool> solved(points.size());
@@ -428,20 +447,18 @@ struct ParametricModes::Impl {
         solved[at] = true;
         try {
           extend(full(points[at], snapshot).shapes.rightCols(snapshot));
-          if (take_sparse(basis.cols(), candidate)) return;
+          if (take_sparse(basis.cols(), candidate)) return true;
           project();
           ++training.solved;
         } catch (const std::exception&) {
           std::erase(bad, at);  // no valid structure at θ, or the solver fails there
         }
       }
-      if (options.progress)
-        options.progress(1.0 - static_cast<double>(bad.size()) /
-                                   static_cast<double>(std::max<std::size_t>(1, all)));
+      if (progress)
+        progress(1.0 - static_cast<double>(bad.size()) /
+                           static_cast<double>(std::max<std::size_t>(1, all)));
     }
-    training.basis = static_cast<int>(basis.cols());
-    training.complete = basis.cols() == n;
-    count(points, ws);
+    return false;
   }
 
   void count(const std::vector<std::vector<double>>& points, Workspace::Impl& ws) {

@@ -3,10 +3,31 @@
 #include <Eigen/OrderingMethods>
 #include <algorithm>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 
+#include "base/simd.hpp"
+
 namespace wheeltap::fem {
+namespace detail {
+
+const SparseKernel* const* sparse_kernels() {
+  static const std::vector<const SparseKernel*> kernels = [] {
+    base::Compiled<SparseKernel> compiled{.baseline = &kBaselineSparse};
+#ifdef WHEELTAP_X86_KERNELS
+    compiled.avx2 = &kAvx2Sparse;
+    compiled.avx512 = &kAvx512Sparse;
+#endif
+    std::vector<const SparseKernel*> found = base::runnable(compiled);
+    std::reverse(found.begin(), found.end());
+    found.push_back(nullptr);
+    return found;
+  }();
+  return kernels.data();
+}
+
+}  // namespace detail
 
 SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
   if (pattern.rows() != pattern.cols())
@@ -37,10 +58,56 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
       below[*below[j].begin()].insert(std::next(below[j].begin()), below[j].end());
   }
   start_.push_back(rows_.size());
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b)
-      for (std::size_t a = b + 1; a < start_[j + 1]; ++a)
-        targets_.push_back(static_cast<std::uint32_t>(index(rows_[a], rows_[b])));
+  group_columns();
+}
+
+/// Forms the groups, with the runs of their rows and targets.
+void SparseFactor::group_columns() {
+  const std::size_t n = size();
+  const auto count = [&](std::size_t j) { return start_[j + 1] - start_[j]; };
+  // In L, the rows of column j below its first row also occur in the column of this first row.
+  // Column j + 1 has no other rows if it has one row less.
+  const auto continues = [&](std::size_t j) {
+    return j + 1 < n && count(j) > 0 && rows_[start_[j]] == j + 1 && count(j + 1) + 1 == count(j);
+  };
+  struct Place {
+    std::size_t row_runs, targets;
+  };
+  std::vector<Place> places;
+  const auto append = [&](std::size_t first, std::uint32_t at) {
+    if (runs_.size() > first && runs_.back().first + runs_.back().length == at)
+      ++runs_.back().length;
+    else
+      runs_.push_back({.first = at, .length = 1});
+  };
+  for (std::size_t j = 0; j < n;) {
+    std::size_t columns = 1;
+    while (columns < detail::kMostColumns && continues(j + columns - 1)) ++columns;
+    const std::size_t last = j + columns - 1;
+    const std::span<const std::uint32_t> below =
+        std::span(rows_).subspan(start_[last], count(last));
+    groups_.push_back({.first = static_cast<std::uint32_t>(j),
+                       .columns = static_cast<std::uint32_t>(columns),
+                       .below = static_cast<std::uint32_t>(below.size()),
+                       .rows = below.data(),
+                       .row_runs = nullptr,
+                       .targets = nullptr});
+    places.push_back({.row_runs = runs_.size(), .targets = 0});
+    for (const std::uint32_t row : below) append(places.back().row_runs, row);
+    places.back().targets = runs_.size();
+    for (std::size_t b = 0; b < below.size(); ++b) {
+      const std::size_t first = runs_.size();
+      for (std::size_t a = b + 1; a < below.size(); ++a)
+        append(first, static_cast<std::uint32_t>(index(below[a], below[b])));
+    }
+    for (std::size_t column = j; column <= last; ++column)
+      products_ += count(column) * (count(column) + 1) / 2;
+    j += columns;
+  }
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    groups_[i].row_runs = runs_.data() + places[i].row_runs;
+    groups_[i].targets = runs_.data() + places[i].targets;
+  }
 }
 
 std::size_t SparseFactor::index(std::size_t a, std::size_t b) const {
@@ -53,84 +120,29 @@ std::size_t SparseFactor::index(std::size_t a, std::size_t b) const {
   return static_cast<std::size_t>(at - rows_.begin());
 }
 
+detail::SparsePattern SparseFactor::pattern() const {
+  return {
+      .size = size(), .groups = groups_.size(), .group = groups_.data(), .start = start_.data()};
+}
+
 template <int W>
 void SparseFactor::factorise(Values& values) const {
-  double* const diagonal = values.diagonal.data();
-  double* const lower = values.lower.data();
-  const std::uint32_t* target = targets_.data();
-  for (std::size_t j = 0; j < size(); ++j)
-    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      double* const at = lower + b * W;
-      double* const below = diagonal + std::size_t{rows_[b]} * W;
-      double l[W];
-      for (int w = 0; w < W; ++w) {
-        l[w] = at[w] / diagonal[j * W + static_cast<std::size_t>(w)];
-        below[w] -= l[w] * at[w];
-        at[w] = l[w];
-      }
-      for (std::size_t a = b + 1; a < start_[j + 1]; ++a, ++target) {
-        const double* const other = lower + a * W;
-        double* const entry = lower + std::size_t{*target} * W;
-        for (int w = 0; w < W; ++w) entry[w] -= other[w] * l[w];
-      }
-    }
+  const detail::SparseKernel& kernel = *detail::sparse_kernels()[0];
+  (W == 1 ? kernel.factorise : kernel.factorise4)(pattern(), values.diagonal.data(),
+                                                  values.lower.data());
 }
 
 template <int W>
 void SparseFactor::solve(const Values& factor, double* x) const {
-  const double* const lower = factor.lower.data();
-  for (std::size_t j = 0; j < size(); ++j) {
-    const double* const xj = x + j * W;
-    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      double* const to = x + std::size_t{rows_[b]} * W;
-      for (int w = 0; w < W; ++w) to[w] -= lower[b * W + static_cast<std::size_t>(w)] * xj[w];
-    }
-  }
-  for (std::size_t i = 0; i < size() * W; ++i) x[i] /= factor.diagonal[i];
-  for (std::size_t j = size(); j-- > 0;) {
-    // Two sums, so that an addition need not wait for the one before.
-    double sum[W], other[W];
-    for (int w = 0; w < W; ++w) {
-      sum[w] = x[j * W + static_cast<std::size_t>(w)];
-      other[w] = 0.0;
-    }
-    std::size_t b = start_[j];
-    for (; b + 1 < start_[j + 1]; b += 2) {
-      const double* const from = x + std::size_t{rows_[b]} * W;
-      const double* const next = x + std::size_t{rows_[b + 1]} * W;
-      for (int w = 0; w < W; ++w) {
-        sum[w] -= lower[b * W + static_cast<std::size_t>(w)] * from[w];
-        other[w] += lower[(b + 1) * W + static_cast<std::size_t>(w)] * next[w];
-      }
-    }
-    if (b < start_[j + 1]) {
-      const double* const from = x + std::size_t{rows_[b]} * W;
-      for (int w = 0; w < W; ++w) sum[w] -= lower[b * W + static_cast<std::size_t>(w)] * from[w];
-    }
-    for (int w = 0; w < W; ++w) x[j * W + static_cast<std::size_t>(w)] = sum[w] - other[w];
-  }
+  const detail::SparseKernel& kernel = *detail::sparse_kernels()[0];
+  (W == 1 ? kernel.solve : kernel.solve4)(pattern(), factor.diagonal.data(), factor.lower.data(),
+                                          x);
 }
 
 template <int R>
 void SparseFactor::solve_several(const Values& factor, double* x) const {
-  const double* const lower = factor.lower.data();
-  for (std::size_t j = 0; j < size(); ++j) {
-    const double* const xj = x + j * R;
-    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      double* const to = x + std::size_t{rows_[b]} * R;
-      for (int r = 0; r < R; ++r) to[r] -= lower[b] * xj[r];
-    }
-  }
-  for (std::size_t j = size(); j-- > 0;) {
-    double sum[R];
-    for (int r = 0; r < R; ++r)
-      sum[r] = x[j * R + static_cast<std::size_t>(r)] / factor.diagonal[j];
-    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      const double* const from = x + std::size_t{rows_[b]} * R;
-      for (int r = 0; r < R; ++r) sum[r] -= lower[b] * from[r];
-    }
-    for (int r = 0; r < R; ++r) x[j * R + static_cast<std::size_t>(r)] = sum[r];
-  }
+  detail::sparse_kernels()[0]->solve_several4(pattern(), factor.diagonal.data(),
+                                              factor.lower.data(), x);
 }
 
 template void SparseFactor::factorise<1>(Values&) const;

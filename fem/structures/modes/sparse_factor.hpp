@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "fem/structures/modes/sparse_kernel.hpp"
 
 namespace wheeltap::fem {
 
@@ -22,12 +23,15 @@ class SparseFactor {
   /// Throws std::invalid_argument if the matrix is not square. The values of the matrix are not
   /// used.
   explicit SparseFactor(const Eigen::SparseMatrix<double>& pattern);
+  // The groups point into the other members.
+  SparseFactor(const SparseFactor&) = delete;
+  SparseFactor& operator=(const SparseFactor&) = delete;
 
   [[nodiscard]] std::size_t size() const { return to_.size(); }
   /// The number of entries of L below the diagonal.
   [[nodiscard]] std::size_t entries() const { return rows_.size(); }
   /// The number of products of two entries in one factorisation.
-  [[nodiscard]] std::size_t products() const { return targets_.size() + rows_.size(); }
+  [[nodiscard]] std::size_t products() const { return products_; }
   /// The position of an unknown in the order of the factor.
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
@@ -55,11 +59,18 @@ class SparseFactor {
   template <int R>
   void solve_several(const Values& factor, double* x) const;
 
+  /// The pattern of L for the kernels.
+  [[nodiscard]] detail::SparsePattern pattern() const;
+
  private:
+  void group_columns();
+
   std::vector<std::size_t> to_;                // position of each unknown
   std::vector<std::size_t> start_;             // first entry of each column, and the end
   std::vector<std::uint32_t> rows_, columns_;  // the row and column of an entry
-  std::vector<std::uint32_t> targets_;         // entry (a, b) for rows b < a of each column
+  std::size_t products_ = 0;
+  std::vector<detail::ColumnGroup> groups_;  // all columns, in groups
+  std::vector<detail::Run> runs_;            // rows and targets of all groups
 };
 
 extern template void SparseFactor::factorise<1>(Values&) const;

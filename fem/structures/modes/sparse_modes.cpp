@@ -66,27 +66,23 @@ SparseModes::SparseModes(const ParametricStructure& structure, Index massive, In
   for (const Sparse& term : structure.term_matrices()) terms_.push_back(entries(term));
   for (const Sparse& slope : structure.mass_slopes()) mass_slopes_.push_back(entries(slope));
   mass_ = entries(structure.nominal().mass);
-  std::vector<char> used(factor_.entries());
-  const auto mark = [&](const Entries& e) {
-    for (const std::size_t i : e.lower_at) used[i] = 1;
+  std::vector<char> stiff(factor_.entries()), heavy(factor_.entries());
+  const auto mark = [](std::vector<char>& marked) {
+    return [&](const Entries& e) {
+      for (const std::size_t i : e.lower_at) marked[i] = 1;
+    };
   };
-  std::ranges::for_each(terms_, mark);
-  std::ranges::for_each(mass_slopes_, mark);
-  mark(mass_);
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i] != 0) {
+  std::ranges::for_each(terms_, mark(stiff));
+  std::ranges::for_each(mass_slopes_, mark(heavy));
+  mark(heavy)(mass_);
+  for (std::size_t i = 0; i < stiff.size(); ++i)
+    if (stiff[i] != 0 || heavy[i] != 0) {
       used_.push_back(i);
       touching_[factor_.row(i)].push_back(i);
       touching_[factor_.column(i)].push_back(i);
     }
-  // Entries of `lower` are stored column by column.
-  for (std::size_t column = 0, k = 0; column < at(n_); ++column) {
-    column_start_.push_back(k);
-    for (; k < used_.size() && factor_.column(used_[k]) == column; ++k)
-      in_column_.push_back({.entry = static_cast<std::uint32_t>(used_[k]),
-                            .row = static_cast<std::uint32_t>(factor_.row(used_[k]))});
-  }
-  column_start_.push_back(used_.size());
+  stiffness_columns_ = columns_of(stiff);
+  mass_columns_ = columns_of(heavy);
   const auto moved = [&](SparseRow row) {
     for (int& dof : row.dofs)
       dof = static_cast<int>(factor_.position(static_cast<std::size_t>(dof)));
@@ -115,6 +111,20 @@ SparseModes::Entries SparseModes::entries(const Sparse& matrix) const {
   return out;
 }
 
+SparseModes::Columns SparseModes::columns_of(const std::vector<char>& marked) const {
+  Columns out;
+  // Entries of `lower` are stored column by column.
+  for (std::size_t column = 0, i = 0; column < at(n_); ++column) {
+    out.start.push_back(out.entries.size());
+    for (; i < marked.size() && factor_.column(i) == column; ++i)
+      if (marked[i] != 0)
+        out.entries.push_back({.entry = static_cast<std::uint32_t>(i),
+                               .row = static_cast<std::uint32_t>(factor_.row(i))});
+  }
+  out.start.push_back(out.entries.size());
+  return out;
+}
+
 void SparseModes::add(double factor, const Entries& entries, double* diagonal, double* lower) {
   for (std::size_t i = 0; i < entries.diagonal.size(); ++i)
     diagonal[entries.diagonal_at[i]] += factor * entries.diagonal[i];
@@ -122,17 +132,17 @@ void SparseModes::add(double factor, const Entries& entries, double* diagonal, d
     lower[entries.lower_at[i]] += factor * entries.lower[i];
 }
 
-void SparseModes::times(const double* diagonal, const double* lower, const double* u,
-                        double* out) const {
+void SparseModes::times(const double* diagonal, const double* lower, const Columns& columns,
+                        const double* u, double* out) const {
   for (Index i = 0; i < n_; ++i) out[i] = diagonal[i] * u[i];
   const auto size = static_cast<std::size_t>(n_);
   for (std::size_t column = 0; column < size; ++column) {
     // No later column changes out[column].
     const double by = u[column];
     double sum = out[column];
-    for (std::size_t k = column_start_[column]; k < column_start_[column + 1]; ++k) {
-      const double value = lower[in_column_[k].entry];
-      const std::uint32_t row = in_column_[k].row;
+    for (std::size_t k = columns.start[column]; k < columns.start[column + 1]; ++k) {
+      const double value = lower[columns.entries[k].entry];
+      const std::uint32_t row = columns.entries[k].row;
       out[row] += value * by;
       sum += value * u[row];
     }
@@ -194,11 +204,8 @@ MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
 /// and the norms of their residuals.
 bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const {
   MatrixXd momenta(n_, elastic_);
-  const auto mass_times = [&] {
-    for (Index i = 0; i < elastic_; ++i)
-      times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), momenta.col(i).data());
-  };
-  mass_times();
+  for (Index i = 0; i < elastic_; ++i)
+    mass_times(ws, ws.modes.col(i).data(), momenta.col(i).data());
   MatrixXd forces = stiffness_times(point, ws.modes);
   const MatrixXd energy = ws.modes.transpose() * forces, gram = ws.modes.transpose() * momenta;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(
@@ -237,18 +244,17 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorX
   // The columns of v are the locked vectors, then the Lanczos vectors; momenta = M v.
   MatrixXd v(n_, known + most), momenta(n_, known + most);
   v.leftCols(known) = locked;
-  const auto mass_times = [&](Index column) {
-    times(ws.mass_diagonal.data(), ws.mass.data(), v.col(column).data(),
-          momenta.col(column).data());
+  const auto weigh = [&](Index column) {
+    mass_times(ws, v.col(column).data(), momenta.col(column).data());
   };
-  for (Index c = 0; c < known; ++c) mass_times(c);
+  for (Index c = 0; c < known; ++c) weigh(c);
   VectorXd next(n_), moved(n_);
   for (Index i = 0; i < n_; ++i)
     next[i] =
         std::sin((1.7 + 0.37 * static_cast<double>(round)) * static_cast<double>(i + 1)) + 0.1;
-  times(ws.mass_diagonal.data(), ws.mass.data(), next.data(), moved.data());
+  mass_times(ws, next.data(), moved.data());
   factor_.solve<1>(ws.shifted, moved.data());
-  times(ws.mass_diagonal.data(), ws.mass.data(), moved.data(), next.data());
+  mass_times(ws, moved.data(), next.data());
   moved /= std::sqrt(std::max(moved.dot(next), 1e-300));
   next = moved;
   if (round == 0) next = start_.rowwise().sum() + kGeneric * moved;
@@ -265,7 +271,7 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorX
   };
   const auto append = [&](Index column) {
     v.col(column) = next;
-    mass_times(column);
+    weigh(column);
     const double size = std::sqrt(std::max(0.0, next.dot(momenta.col(column))));
     if (size > 0.0) {
       v.col(column) /= size;
@@ -383,7 +389,7 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
     // not control these errors. K⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
     VectorXd moved(n_);
     for (Index i = 0; i < elastic_; ++i) {
-      times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), moved.data());
+      mass_times(ws, ws.modes.col(i).data(), moved.data());
       factor_.solve<1>(ws.shifted, moved.data());
       ws.modes.col(i) = moved / mu[i];
     }
@@ -408,7 +414,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
   shapes.assign(at(d), MatrixXd(static_cast<Index>(motions_.size()), elastic_));
   MatrixXd momenta(n_, elastic_);
   for (Index i = 0; i < elastic_; ++i)
-    times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), momenta.col(i).data());
+    mass_times(ws, ws.modes.col(i).data(), momenta.col(i).data());
   const auto distance = [&](Index i, Index j) {
     return std::abs(ws.eigenvalues[i] - ws.eigenvalues[j]) / ws.eigenvalues[j];
   };
@@ -527,8 +533,9 @@ bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
 bool SparseModes::solves(const Workspace& ws, double lambda, const std::vector<std::size_t>& pinned,
                          const VectorXd& x, const VectorXd& b) const {
   VectorXd stiff(n_), heavy(n_);
-  times(ws.stiffness_diagonal.data(), ws.stiffness.data(), x.data(), stiff.data());
-  times(ws.mass_diagonal.data(), ws.mass.data(), x.data(), heavy.data());
+  times(ws.stiffness_diagonal.data(), ws.stiffness.data(), stiffness_columns_, x.data(),
+        stiff.data());
+  mass_times(ws, x.data(), heavy.data());
   VectorXd miss = stiff - lambda * heavy - b;
   for (const std::size_t p : pinned) miss[static_cast<Index>(p)] = 0.0;
   return miss.norm() <= kSolved * (b.norm() + kRounding * stiff.norm());
@@ -559,7 +566,8 @@ double SparseModes::cost() const {
   const auto products = static_cast<double>(factor_.products());
   const double steps = 2.0 * static_cast<double>(elastic_) + 12.0;
   double sum = 2.0 * products +
-               steps * (2.0 * entries + 2.0 * static_cast<double>(used_.size()) + 2.0 * n * steps);
+               steps * (2.0 * entries + 2.0 * static_cast<double>(mass_columns_.entries.size()) +
+                        2.0 * n * steps);
   sum += 5.0 * steps * steps * steps;  // Ritz values
   if (!motions_.empty()) {
     const double lanes = kLanes * std::ceil(static_cast<double>(elastic_) / kLanes);

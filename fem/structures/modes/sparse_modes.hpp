@@ -59,10 +59,23 @@ class SparseModes {
     std::vector<std::size_t> diagonal_at, lower_at;
     std::vector<double> diagonal, lower;
   };
+  /// Some entries of `lower` with their rows, column by column, and the first entry of each column.
+  struct Columns {
+    struct Entry {
+      std::uint32_t entry, row;
+    };
+    std::vector<Entry> entries;
+    std::vector<std::size_t> start;
+  };
   [[nodiscard]] Entries entries(const Discretisation::Sparse& matrix) const;
   static void add(double factor, const Entries& entries, double* diagonal, double* lower);
-  /// Computes A u from the diagonal of A and the entries of `lower` that are not fill-in.
-  void times(const double* diagonal, const double* lower, const double* u, double* out) const;
+  [[nodiscard]] Columns columns_of(const std::vector<char>& marked) const;
+  /// Computes A u from the diagonal of A and the given entries of `lower`.
+  void times(const double* diagonal, const double* lower, const Columns& columns, const double* u,
+             double* out) const;
+  void mass_times(const Workspace& ws, const double* u, double* out) const {
+    times(ws.mass_diagonal.data(), ws.mass.data(), mass_columns_, u, out);
+  }
   static void multiply(const Entries& entries, const SparseFactor& factor, const double* u,
                        const double* scale, double* out);
   [[nodiscard]] std::vector<std::size_t> pins(const Workspace& ws, Eigen::Index first,
@@ -87,13 +100,8 @@ class SparseModes {
   SparseFactor factor_;
   std::vector<Entries> terms_, mass_slopes_;
   Entries mass_;
-  std::vector<std::size_t> used_;  // entries of `lower` that are not fill-in
-  /// The same entries with their rows, column by column, and the first entry of each column.
-  struct InColumn {
-    std::uint32_t entry, row;
-  };
-  std::vector<InColumn> in_column_;
-  std::vector<std::size_t> column_start_;
+  std::vector<std::size_t> used_;                   // entries of `lower` that are not fill-in
+  Columns stiffness_columns_, mass_columns_;        // entries that are not zero at every θ
   std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in a row or column
   std::vector<SparseRow> motions_;                  // in the order of the factor
   std::vector<SparseRow> strains_;                  // in the order of the factor

@@ -101,6 +101,41 @@ TEST(SparseFactor, SolvesAndCountsNegativeEigenvalues) {
     }
 }
 
+TEST(SparseFactor, AllInstructionSetsGiveTheSameBits) {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal;
+  for (const double share : {0.03, 0.2}) {
+    const int n = 90;
+    const SparseFactor factor(random_pattern(n, share, random));
+    std::vector<double> pivots, entries, right;
+    for (int i = 0; i < 4 * n; ++i) pivots.push_back(n + normal(random));
+    for (std::size_t i = 0; i < 4 * factor.entries(); ++i) entries.push_back(normal(random));
+    for (int i = 0; i < 4 * n; ++i) right.push_back(normal(random));
+    // The factors and solutions of all functions of a kernel.
+    const auto all_results = [&](const detail::SparseKernel& kernel) {
+      std::vector<double> out;
+      const auto keep = [&](const std::vector<double>& v) {
+        out.insert(out.end(), v.begin(), v.end());
+      };
+      std::vector<double> diagonal = pivots, lower = entries, x = right;
+      kernel.factorise(factor.pattern(), diagonal.data(), lower.data());
+      kernel.solve(factor.pattern(), diagonal.data(), lower.data(), x.data());
+      for (const auto* v : {&diagonal, &lower, &x}) keep(*v);
+      x = right;
+      kernel.solve_several4(factor.pattern(), diagonal.data(), lower.data(), x.data());
+      keep(x);
+      diagonal = pivots, lower = entries, x = right;
+      kernel.factorise4(factor.pattern(), diagonal.data(), lower.data());
+      kernel.solve4(factor.pattern(), diagonal.data(), lower.data(), x.data());
+      for (const auto* v : {&diagonal, &lower, &x}) keep(*v);
+      return out;
+    };
+    const std::vector<double> baseline = all_results(detail::kBaselineSparse);
+    for (const auto* kernel = detail::sparse_kernels(); *kernel != nullptr; ++kernel)
+      EXPECT_EQ(all_results(**kernel), baseline) << (*kernel)->name;
+  }
+}
+
 TEST(SparseFactor, AChainHasNoFill) {
   Eigen::SparseMatrix<double> chain(50, 50);
   for (int i = 0; i < 50; ++i) {

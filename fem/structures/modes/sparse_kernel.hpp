@@ -1,0 +1,61 @@
+// The loops of a sparse factor L D Lᵀ. Internal to SparseFactor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace wheeltap::fem::detail {
+
+// The kernels read plain arrays. This header must not include library code. Otherwise the linker
+// could select a library function compiled for AVX-512 and use it on every processor.
+
+/// Largest number of columns that are treated together.
+inline constexpr std::size_t kMostColumns = 4;
+
+/// `length` consecutive positions from `first`.
+struct Run {
+  std::uint32_t first, length;
+};
+
+/// Consecutive columns of L whose rows below these columns are the same. The entries of such a
+/// group form a dense block.
+struct ColumnGroup {
+  std::uint32_t first, columns;  ///< the first column, and the number of columns
+  std::uint32_t below;           ///< number of rows below the group
+  const std::uint32_t* rows;     ///< these rows
+  const Run* row_runs;           ///< the same rows as runs
+  /// For each of these rows b, the entries (a, b) for all rows a > b, as runs of positions in
+  /// `lower`.
+  const Run* targets;
+};
+
+/// The pattern of L. The entries of a column are consecutive from start[column].
+struct SparsePattern {
+  std::size_t size;    ///< number of unknowns
+  std::size_t groups;  ///< number of column groups
+  const ColumnGroup* group;
+  const std::size_t* start;
+};
+
+/// Functions of one instruction set. The arrays hold 1 or 4 matrices or vectors together: entry i
+/// of matrix w is at i W + w.
+struct SparseKernel {
+  const char* name;
+  void (*factorise)(const SparsePattern&, double* diagonal, double* lower);
+  void (*factorise4)(const SparsePattern&, double* diagonal, double* lower);
+  /// Solves with the matrix for one right-hand side, and for four.
+  void (*solve)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
+  void (*solve_several4)(const SparsePattern&, const double* diagonal, const double* lower,
+                         double* x);
+  /// Solves with each of four matrices for one right-hand side.
+  void (*solve4)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
+};
+
+extern const SparseKernel kBaselineSparse;
+extern const SparseKernel kAvx2Sparse;
+extern const SparseKernel kAvx512Sparse;
+
+/// The versions that this processor can run, widest registers first, and a null pointer.
+[[nodiscard]] const SparseKernel* const* sparse_kernels();
+
+}  // namespace wheeltap::fem::detail
