@@ -27,11 +27,11 @@ constexpr int kManyPeaks = 80;                  // mixture components for poster
 // values for other problems, the fits took a quarter of the run time.
 constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
-// With a costly likelihood and a single model, tuning ends after a round in which this share of the
-// draws of the mixture was accepted, and after this number of steps per chain and dimension. The
-// mixture then fits the posterior; more rounds hardly improve the mixture.
-constexpr double kGoodRenewal = 0.3;
-constexpr int kStepsADimension = 160;
+// With a costly likelihood and a single model, tuning ends when the current proposals give this
+// number of effective draws in fewer steps than the next round of tuning, at the earliest after
+// this number of steps per chain and dimension.
+constexpr double kEnoughDraws = 1000.0;
+constexpr int kStepsADimension = 100;
 // In tuning, less probable models get fewer visits than the others, because no draws of these
 // models are expected.
 constexpr double kLeastTuned = 1e-4;
@@ -53,21 +53,33 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
       *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
 }
 
-// True if the proposals fit the posterior well enough that a costly likelihood needs no more
-// rounds. False if the user states the number of warm-up iterations or of draws.
+// Effective draws of a single model's parameters in the last round of tuning, the fewest of all
+// parameters.
+double tuned_draws(const RunState& state) {
+  std::vector<Eigen::MatrixXd> chains;
+  for (const ChainState& chain : state.chains) chains.push_back(chain.by_rung.at(0).states(0));
+  double least = kInfinity;
+  for (Eigen::Index j = 0; j < chains.front().rows(); ++j) {
+    ChainsOf values;
+    for (const Eigen::MatrixXd& states : chains)
+      values.emplace_back(states.row(j).begin(), states.row(j).end());
+    least = std::min(least, ess_mean(values));
+  }
+  return least;
+}
+
+// True if a costly likelihood needs no further round of tuning. False if the user states the number
+// of warm-up iterations or of draws.
 bool is_tuned(const RunContext& run, const RunState& state) {
   const bool is_given = run.options.warmup > 0 || run.options.draws > 0;
+  const auto next = static_cast<std::size_t>(state.at.round) + 1;
   if (is_given || !run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
-      state.at.tuned < kStepsADimension * run.space()[0].dimension)
+      next >= kTuning.size() || state.at.tuned < kStepsADimension * run.space()[0].dimension)
     return false;
-  const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
-  for (int k = 0; k < kernels->size(); ++k) {
-    if ((*kernels)[k].name() != "mixture renewal") continue;
-    KernelRecord sum;
-    for (const ChainState& chain : state.chains) sum += chain.records[static_cast<std::size_t>(k)];
-    return static_cast<double>(sum.accepted) > kGoodRenewal * static_cast<double>(sum.proposed);
-  }
-  return false;
+  // Lengths of the rounds of tuning are in proportion to kTuning. Both sides are numbers of steps,
+  // in units of the last round.
+  return kEnoughDraws / tuned_draws(state) <
+         static_cast<double>(kTuning[next]) / static_cast<double>(kTuning[next - 1]);
 }
 
 // Runs a round of `steps` steps, or the rest of the round, and fits the proposals.

@@ -32,9 +32,8 @@ ImpliedProbabilities implied_probabilities(const ModelSpace& space,
     double variance = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
       const double slope = result.mean[m] * (m == k ? others : -result.mean[k]);
-      // The error of a model with P = 0 has no effect, even if the error is NaN. Neither has a NaN
-      // of the only model with a probability above rounding errors.
-      if (slope == 0.0 || (m == k && slope < kRounding && std::isnan(evidences[k].standard_error)))
+      // An error that changes P(m) by less than rounding errors has no effect, even if it is NaN.
+      if (slope == 0.0 || (std::abs(slope) < kRounding && std::isnan(evidences[k].standard_error)))
         continue;
       variance += std::pow(slope * evidences[k].standard_error, 2.0);
     }

@@ -43,6 +43,15 @@ TEST(ImpliedProbabilities, HaveErrorsOfNearlyCertainModels) {
           .standard_error[0]));
 }
 
+// Fault: an improbable model without an error made all other errors NaN, and no disagreement was
+// reported.
+TEST(ImpliedProbabilities, HaveErrorsBesideAnImprobableModelWithoutAnError) {
+  const ImpliedProbabilities p =
+      implied_probabilities(three(), {{0.0, 0.1}, {-0.5, 0.1}, {-276.0, std::nan("")}});
+  for (const double error : p.standard_error) EXPECT_TRUE(std::isfinite(error));
+  EXPECT_GT(p.standard_error[0], 0.01);
+}
+
 TEST(Disagreements, AreReportedOnlyBeyondTheCombinedError) {
   const ImpliedProbabilities implied{{0.5, 0.3, 0.2}, {0.03, 0.03, 0.0}};
   EXPECT_TRUE(disagreements({0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());
