@@ -56,7 +56,7 @@ const comparison = async (names) => {
     })]),
     ['converged', ...all.map((one) => (one.diagnostics?.converged === undefined ? '–' : String(one.diagnostics.converged)))],
   ];
-  return element('section', {}, element('h2', {}, 'Comparison'), table('Medians, with 95 % intervals in brackets; modes with one standard deviation', ['quantity', ...names], rows, rows));
+  return element('section', {}, element('h2', {}, 'Comparison'), table('Parameters: medians, with 95 % intervals in brackets. Modes: frequencies ± one standard deviation', ['quantity', ...names], rows, rows));
 };
 
 export const projectsView = async (place) => {
@@ -69,7 +69,7 @@ export const projectsView = async (place) => {
     const { cases, results, records } = projects;
     const sections = [
       element('h1', {}, 'Cases'),
-      element('p', { class: 'quiet' }, `Folder ${projects.folder}`, projects.truncated && ': it has too many files; not all are listed'),
+      element('p', { class: 'quiet' }, `Folder ${projects.folder}`, projects.truncated && ': it has too many files to list all of them'),
       element('p', {}, button('New case …', () => newCase(projects), { class: 'main' })),
       cases.length ? table('Cases of the folder', ['case', 'title', 'kind', 'state', 'actions'], cases.map((one) => [
         link('case', one.name), one.title, one.kind, badge(one.state),
