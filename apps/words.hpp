@@ -26,8 +26,8 @@ using base::grouped;
 /// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
 /// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound of the
-/// probability: "> 99.9 %". If two Monte Carlo errors exceed 0.1 %, the bound differs from the
-/// probability by two errors: "> 72 %".
+/// probability: "> 99.9 %". If twice the Monte Carlo error exceeds 0.1 %, the bound differs from
+/// the probability by twice this error: "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
 /// " ± 2 %": the error shown by percent(); empty if percent() returns a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);

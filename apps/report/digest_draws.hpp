@@ -106,7 +106,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
 /// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data. All are thinned evenly; empty if the run did not store them.
+/// from the data. All series are thinned evenly. The result is empty if the run did not store the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// Returns the modal assurance criterion between all modes, over the sensors common to both modes,
-/// as a table of shaded cells.
+/// Returns the modal assurance criterion of each pair of modes, over the sensors common to both
+/// modes, as a table of shaded cells.
 [[nodiscard]] std::string mac_figure(const ModesFile& modes);
 
 /// Returns the entries of each mode shape in the complex plane, rotated to minimise the imaginary

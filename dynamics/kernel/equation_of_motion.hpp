@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
-/// threshold, i = 0, 1, ….
+/// Calls visit(i, link, stiffness, threshold, side) for the i-th force law (i = 0, 1, …) among the
+/// springs beyond a threshold.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;

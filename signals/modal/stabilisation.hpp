@@ -90,10 +90,10 @@ struct Stabilisation {
 /// therefore a candidate only if its model order contains all steady modes, including those outside
 /// the band, and all modes whose resonance peaks overlap with the peak of this mode. If no pole of
 /// these model orders has an uncertainty as small as the best pole, the best poles of these model
-/// orders are the candidates. If there are fewer than three of these model orders, or all their
-/// poles have twice the uncertainty, poles of every model order can be candidates. Poles without
-/// standard deviations (NaN) require largest_relative_sd = ∞; then the median of all poles
-/// represents the cluster.
+/// orders are the candidates. If these model orders have fewer than three poles, or if their best
+/// pole has more than twice the smallest uncertainty, poles of every model order can be candidates.
+/// Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the median of all
+/// poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -123,9 +123,9 @@ struct ChosenPoleError : std::invalid_argument {
 inline constexpr double kChosenWithin = 0.005;
 
 /// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
-/// representative; a pole of no cluster is a mode by itself. Clusters without a chosen pole are
-/// rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does not
-/// contain, and for a pole chosen twice.
+/// representative; a pole without a cluster becomes a mode by itself. Clusters without a chosen
+/// pole are rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does
+/// not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d of two poles.
