@@ -234,7 +234,7 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   out += headed(level, orders ? "Stabilisation diagram" : "Spectrum") + diagram(set_up);
   out +=
       orders
-          ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
+          ? "<p>Each dot is a pole. Blue poles belong to a mode and have 95 % intervals; a ring "
             "marks the pole that represents the mode. Behind the poles: the mean spectrum of the "
             "channels, or the sum of the squared frequency response functions, in decibels.</p>\n"
           : "<p>The mean spectrum of the channels, or the first singular value of their "

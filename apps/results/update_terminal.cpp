@@ -38,8 +38,8 @@ void print_parameters(const Page& page, const UpdateFindings& findings) {
                     fixed(100.0 * std::max(0.0, c.contraction), 0) + " %", standing(c)});
   }
   page.table(rows);
-  page.out << "Contraction: 1 - posterior variance over prior variance, in the prior's standard "
-              "normal\ncoordinate. 0 %: assumed, not measured; 100 %: measured, not assumed.\n";
+  page.out << "Contraction: 1 - posterior variance / prior variance, with the prior mapped to a\n"
+              "standard normal. 0 %: no information in the data; 100 %: no effect of the prior.\n";
 }
 
 void print_solutions(const Page& page, const UpdateFindings& findings) {
