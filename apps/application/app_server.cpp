@@ -267,7 +267,7 @@ class Application {
     return out;
   }
 
-  /// A positive number; none without this parameter.
+  /// A positive number; empty without this parameter.
   static std::optional<double> positive(const Request& request, const char* name) {
     if (!request.has_param(name)) return {};
     const std::string text = request.get_param_value(name);

@@ -98,7 +98,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity follows from the case; otherwise from the unit, otherwise from other channels.
+  // The quantity follows from the case, or else from the unit, or else from other channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {

@@ -127,7 +127,7 @@ class Batch {
     if (base::ranks() != nullptr) section_ = kCasesAThread * base::ranks()->size() * threads_;
   }
 
-  /// Other ranks send their rows at the end of each section. Finally, the table is on the disk.
+  /// Other ranks send their rows at the end of each section. Finally writes the table to the disk.
   void run() {
     for (int first = 0; first < all() && !stopped_; first += section_) {
       const int n = std::min(section_, all() - first);

@@ -42,7 +42,7 @@ double number_at(const Report& object, const char* key) {
 }
 
 /// The measured data of a case, without assumptions (noise parameters, places of sensors in the
-/// model). The content that the run read identifies a file, not the name of the file.
+/// model). A file is identified by the content that the run read, not by its name.
 class Measured {
  public:
   explicit Measured(const std::string& run, const Report& about)

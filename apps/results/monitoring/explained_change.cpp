@@ -132,7 +132,7 @@ void add_explanations(const MonitorCaseFile& parsed,
   }
   monitor["probability_damage"] = 1.0 - no_damage;
   monitor["probability_other"] = 1.0 - no_other;
-  // As in damage runs: the first kind that is damage.
+  // The first kind of defect that is damage, as in damage runs.
   const auto& is_mass = parsed.structure->causes.is_mass;
   const auto k = static_cast<std::size_t>(std::ranges::find(is_mass, false) - is_mass.begin());
   const ChangeExplanation& last = explained.back();

@@ -89,7 +89,7 @@ struct ResidualFlexibility::Impl {
   std::shared_ptr<const Discretisation> d;
   std::optional<StaticCondensation> parts;
   MatrixXd shapes, mass_shapes;
-  RowMajor shape_rows, mass_rows;  // the same, a row a degree of freedom
+  RowMajor shape_rows, mass_rows;  // the same, one row per degree of freedom
   VectorXd eigenvalues;
   std::vector<char> held;  // degrees of freedom that hold the rigid motions
   Eigen::SimplicialLDLT<Discretisation::Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt;
