@@ -18,8 +18,8 @@ using base::grouped;
 /// x with `digits` significant digits, without trailing zeros. Numbers from 1e-4 to a million have
 /// plain notation ("350", not "3.5e+02"); other numbers have the form "5.4e-6".
 [[nodiscard]] std::string significant(double x, int digits);
-/// x with the digits that an interval of the given width requires: two significant digits of the
-/// width, and at least three and at most ten significant digits of x.
+/// x rounded to two significant digits of `width`, the width of an interval. The result has at
+/// least three and at most ten significant digits.
 [[nodiscard]] std::string resolved(double x, double width);
 /// A count rounded to three digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);

@@ -15,8 +15,8 @@ namespace wheeltap::apps {
                                              double lower, double upper,
                                              const std::string& allowed);
 
-/// Parses the weights of the counts min … max at `where` ("count") and normalises them to the sum
-/// 1. Throws Failure.
+/// Parses the weights of the counts min … max at `where` ("count"). Normalises the weights to a
+/// sum of 1. Throws Failure.
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 

@@ -3,9 +3,9 @@
 //
 // galaxies/draws/moves: with moves:1, the problem adds the move MixtureGibbs.
 //
-// Counters: ess/Mcall is the effective sample size of the count (for subsets: the smallest of the
-// inclusions) per million likelihood evaluations after warm-up. worst_dP is the largest error of a
-// probability, worst_errors the largest error in Monte Carlo standard errors (4 are rare).
+// Counters: ess/Mcall is the effective sample size of the count per million likelihood evaluations
+// after warm-up (for subsets, the smallest of all inclusions). The largest error of a probability
+// is worst_dP, or worst_errors in Monte Carlo standard errors (4 are rare).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -67,15 +67,15 @@ struct Stabilisation {
 };
 
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
-/// joined. The poles of joined clusters have the same shape (MAC above 0.9), their frequencies and
+/// joined. The poles of joined clusters have the same shape (MAC above 0.9). Their frequencies and
 /// damping ratios differ by less than three standard deviations, and the frequencies lie within
 /// their half-power bandwidths. Clusters with different shapes are not joined, even if their
 /// frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least `least_share` of
 /// the model orders from the first model order with this cluster. A cluster is rejected as a
-/// splinter of another cluster if the other cluster lies within three standard deviations and has
-/// the same shape, more poles and at most half the uncertainty.
+/// splinter of a second cluster within three standard deviations if the second cluster has the same
+/// shape, more poles and at most half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
