@@ -142,7 +142,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// Returns false, and fills in the answer, if the server rejects the request for any resource.
+  /// Checks common to all resources. If a check fails, fills in the answer and returns false.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");

@@ -145,8 +145,8 @@ Compared read_run(const std::filesystem::path& folder) {
   }
 }
 
-/// Weights normalised to the sum 1; equal weights if none are given. Only their ratios matter,
-/// because their sum may overflow.
+/// Weights normalised to the sum 1; equal weights if none are given. The function uses only ratios
+/// of weights, because the sum of the weights may overflow.
 std::vector<double> shares(std::vector<double> weights, std::size_t count) {
   if (weights.empty()) weights.assign(count, 1.0);
   const double largest = *std::ranges::max_element(weights);

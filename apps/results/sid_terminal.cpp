@@ -93,8 +93,8 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   if (rows.size() > 1) page.table(rows);
 }
 
-// Models with a table of parameters: models with enough probability. For a discovery, only the most
-// probable model, because the terms have a table.
+// True for models whose parameters get a table: models with enough probability. For a discovery,
+// only the most probable model, because the terms have a separate table.
 std::vector<bool> worth_printing(const SidFindings& findings) {
   std::vector<bool> out;
   std::size_t best = 0;

@@ -78,7 +78,7 @@ void BM_DenseEigensolve(benchmark::State& state) {
 }
 BENCHMARK(BM_DenseEigensolve)->ArgName("vectors")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
-// With `revisited`, all changes were solved before, as in a chain that stays among few changes.
+// With `revisited`, all changes were solved before, as in a chain that repeats its changes.
 void BM_FewModes(benchmark::State& state) {
   const auto d = std::make_shared<const Discretisation>(large_mesh().discretisation());
   const StructureReanalysis reanalysis(d, 20, 60);

@@ -504,7 +504,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
       if (read && !stamps[c] && separator != decimal) {
-        // Fast path for a plain number and its separator, which does not search for the end of the
+        // Reads a plain number and its separator fast, without a search for the end of the
         // cell.
         const char* p = line.data();
         const char* const end = p + line.size();

@@ -123,7 +123,7 @@ void add_explanations(const MonitorCaseFile& parsed,
     monitor["probability_damage"] = monitor["probability_other"] = nullptr;
     return;
   }
-  // At least one of the changes is a damage; at least one is a change of another cause.
+  // Probability that at least one change is a damage, and that at least one has another cause.
   double no_damage = 1.0, no_other = 1.0;
   for (std::size_t i = 0; i < explained.size(); ++i) {
     const double changed = monitor["alarms"][i]["probability_changed"].get<double>();
