@@ -246,9 +246,9 @@ TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   remark::ColouredResiduals coloured{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}};
   EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("similar")));
   coloured.others = {"n"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\" the residuals are similar."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\", the residuals are similar."));
   coloured.others = {"n", "o"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models the residuals are similar."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models, the residuals are similar."));
 }
 
 TEST(Summary, ParameterSummary) {
