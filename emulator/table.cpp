@@ -31,7 +31,7 @@ void keep_common(Map& a, const Map& b, Same alike) {
   });
 }
 
-/// Copies a run of `b` into a row that may already contain it; `where` names the run in errors.
+/// Copies a run of `b` into a row that may already hold this run; `where` names the run in errors.
 void put_run(RowMatrix& values, Eigen::Index row, const Table& b, Eigen::Index from,
              const std::string& where) {
   if (b.values.row(from).hasNaN()) return;

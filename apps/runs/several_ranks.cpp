@@ -36,7 +36,7 @@ void* load_module() {
   const std::filesystem::path here =
       std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& place : {here / kModule, here / WHEELTAP_MODULES / kModule}) {
-    // RTLD_GLOBAL, because components of Open MPI search for its global symbols.
+    // RTLD_GLOBAL is necessary: components of Open MPI search for global symbols of Open MPI.
     if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) return module;
   }
   return nullptr;

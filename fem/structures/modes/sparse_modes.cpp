@@ -190,8 +190,8 @@ MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
   return out;
 }
 
-/// Computes the Ritz modes in the span of `ws.modes`, whose eigenvalue errors are of second order,
-/// and the norms of their residuals.
+/// Computes the Ritz modes in the span of `ws.modes` and the norms of their residuals. The errors
+/// of the Ritz values are of second order.
 bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const {
   MatrixXd momenta(n_, elastic_);
   const auto mass_times = [&] {
