@@ -183,7 +183,8 @@ void print_comparison(const std::vector<Compared>& runs) {
     std::cout << "  " << std::left << std::setw(static_cast<int>(widest)) << io::printable(run.name)
               << "  P = " << percent(run.probability, run.probability_error)
               << "  ln Z = " << with_error(run.log_evidence, run.error);
-    if (!run.model.empty()) std::cout << "  (most of it: " << io::printable(run.model) << ')';
+    if (!run.model.empty())
+      std::cout << "  (most probable model: " << io::printable(run.model) << ')';
     if (!run.fits) std::cout << "  does not fit";
     if (!run.converged) std::cout << "  NOT CONVERGED";
     std::cout << '\n';

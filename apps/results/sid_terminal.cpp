@@ -24,7 +24,7 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
     } else if (findings.models[static_cast<std::size_t>(b.model)].standing.passed_over) {
       out << "not evaluated\n";
     } else {
-      out << "not known (without draws and evidence: " << never_visited(findings, b) << ")\n";
+      out << "not known (no draws and no evidence of " << never_visited(findings, b) << ")\n";
     }
   }
 }

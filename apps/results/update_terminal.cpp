@@ -122,8 +122,8 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
             (data.sensors.size() == 1 ? " sensor" : " sensors");
   page.wrapped(line + "; " + std::to_string(findings.numbers) + " numbers", "", "  ");
   if (findings.numbering)
-    out << "Modes without shapes are paired by number, "
-        << probability_is(findings.numbering->probability) << " under the priors\n";
+    out << "Modes without shapes are paired by number. This pairing has "
+        << probability_is(findings.numbering->probability) << " under the priors.\n";
   print_answer(page, answer(findings));
   print_parameters(page, findings);
   print_solutions(page, findings);

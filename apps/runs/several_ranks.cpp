@@ -94,7 +94,7 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
   if (all_->meet(exit_code == 0 ? forever : kRankPatience)) return;
   if (said_ >= 0) {
     const std::string line =
-        "wheeltap: rank " + std::to_string(all_->rank()) + " alone: " + last_words + '\n';
+        "wheeltap: rank " + std::to_string(all_->rank()) + " only: " + last_words + '\n';
     static_cast<void>(!write(said_, line.data(), line.size()));
   }
   all_->abort(exit_code);
@@ -110,8 +110,8 @@ void require_same_on_all_ranks(const std::string& what, const std::string& text)
 void require_equal_processors() {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(processor())) {
     throw Failure(Exit::usage,
-                  "the ranks run on different processors, on which numbers differ in their last "
-                  "bit: use --simd baseline");
+                  "the ranks run on different processors, whose results differ in the last bit: "
+                  "use --simd baseline");
   }
 }
 
