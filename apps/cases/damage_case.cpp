@@ -482,7 +482,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   if (needs == Needs::data) {
     if (json.contains("plan") && !json.contains("data"))
       f.refuse(Pointer("/data"),
-               "is missing: the case plans a test: run wheeltap plan, or add the measured modes");
+               "is missing: this case plans a test. Run wheeltap plan, or add the measured modes");
     for (const char* key : {"damage", "data"}) {
       if (!json.contains(key))
         f.refuse(Pointer() / std::string(key), "is missing: must be an object");

@@ -132,8 +132,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
         ", as for the other channels. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
     file.refuse(out.where / "channels",
-                "measure different quantities, but the method \"bayoma\" needs one: give the "
-                "others the role \"ignore\", or use the method \"ssi-cov\"");
+                "measure different quantities, but the method \"bayoma\" needs one quantity: "
+                "give other channels the role \"ignore\", or use the method \"ssi-cov\"");
 }
 
 Channels parse_channels(const CaseFile& file, SetUp& out) {

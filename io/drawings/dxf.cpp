@@ -138,7 +138,7 @@ class Reader {
         round(e);
       } else if (e.type == "SPLINE" || e.type == "ELLIPSE" || e.type == "INSERT") {
         fail(name_, e.line,
-             e.type + ": is not read; turn it into polylines, lines and arcs (explode it)");
+             e.type + ": is not read; convert it to polylines, lines and arcs (explode it)");
       }
     }
     join();

@@ -226,8 +226,8 @@ class Parser {
 
   [[noreturn]] void refuse_daqmx() const {
     corrupt(
-        "holds raw data of DAQmx, whose scales are not read: write a TDMS file without DAQmx's "
-        "logging, or export it as text (.csv or .lvm)");
+        "holds raw data of DAQmx, whose scales are not read: write a TDMS file without the "
+        "logging of DAQmx, or export it as text (.csv or .lvm)");
   }
 
   void metadata(bool new_list) {
@@ -267,7 +267,7 @@ class Parser {
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
-        corrupt("channel " + channel.path + " changes its type: write it again with one type");
+        corrupt("channel " + channel.path + " changes its type: write all values with one type");
       channel.layout = layout;
     }
     if (std::ranges::find(active_, index) == active_.end() && channel.layout->bytes > 0)

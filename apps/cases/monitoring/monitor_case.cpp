@@ -199,20 +199,20 @@ void read_times(const signals::Record& table, const SeriesColumns& columns, Moni
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]))
       refuse_row(table, static_cast<int>(i), column,
-                 "time is missing or no number: give every row a time, or remove the row");
+                 "time is missing or not a number: give every row a time, or remove the row");
     out.series.hours.push_back(times[i] * out.time.hours_per_unit);
     if (i == 0 || times[i] > times[i - 1]) continue;
     const std::string now = out.time.text(out.series.hours[i]);
     refuse_row(table, static_cast<int>(i), column,
                times[i] == times[i - 1]
                    ? now + ": the time equals that of the previous row: remove the repeated row" +
-                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
-                                                    "were set back"
+                         (out.time.unit == "date" ? ", or state the time zone of each time if "
+                                                    "clocks were set back"
                                                   : "")
                    : now + ": time goes backwards, from " + out.time.text(out.series.hours[i - 1]) +
                          ": sort the rows by time" +
-                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
-                                                    "were set back"
+                         (out.time.unit == "date" ? ", or state the time zone of each time if "
+                                                    "clocks were set back"
                                                   : ""));
   }
 }
@@ -275,7 +275,7 @@ void warn_of_error_codes(MonitorCaseFile& out) {
                              base::number(u) + " at " + out.time.text(out.series.hours[index(i)]) +
                              ", in the training period, where its median is " +
                              base::number(centre) +
-                             ": leave the cell empty if this is an error code.");
+                             ": leave the cell empty if this value is an error code.");
       break;
     }
   }
@@ -314,7 +314,7 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
         break;
       case Kind::sd_not_positive:
         out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
-                        "has no value in a row where the feature has one: leave both empty");
+                        "has no value in a row with a feature value: leave both cells empty");
       default:
         break;  // times and training period were checked before
     }
@@ -372,7 +372,7 @@ void check_source(const CaseFile& file) {
                                    "\": give only one of the two keys");
   const bool table = sources[0] == "features";
   const auto need = [&](const char* key) {
-    if (!series.contains(key)) file.refuse(kSeries / key, "is missing: the table needs it");
+    if (!series.contains(key)) file.refuse(kSeries / key, "is missing: a table needs this key");
   };
   const auto reject = [&](const char* key, const std::string& why) {
     if (series.contains(key) && !series.at(key).is_null()) file.refuse(kSeries / key, why);

@@ -198,7 +198,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   validate(*intact.discretisation, change);
   if (!change.scalings.empty())
     throw std::invalid_argument(
-        "a part of the stiffness that changes as a whole: its rank is too high for reanalysis");
+        "a changed part of the stiffness matrix has a rank that is too high for reanalysis");
   require_sizes(results);
   work.set(intact, change, detail::secular_kernel());
   const std::size_t n = results.frequencies_hz.size();
