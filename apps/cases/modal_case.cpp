@@ -70,7 +70,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       if (foreign && out.channels[*foreign].conversion.unit != c.unit)
         file.refuse(out.places[i] / "scale",
                     "is missing: the channel is in " + c.unit + ", and " +
-                        out.channels[*foreign].column + " in " +
+                        out.channels[*foreign].column + " is in " +
                         out.channels[*foreign].conversion.unit +
                         ". Give \"scale\" and \"quantity\" to both channels, or \"role\": "
                         "\"ignore\" to one");
@@ -82,10 +82,11 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     }
   }
   if (foreign && !known.empty())
-    file.refuse(out.places[*foreign] / "scale",
-                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-                    ", an unknown unit, and " + known.front() +
-                    " in a known unit. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
+    file.refuse(
+        out.places[*foreign] / "scale",
+        "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
+            ", an unknown unit, and " + known.front() +
+            " is in a known unit. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +

@@ -268,8 +268,9 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   const auto& rows = batch.rows();
   const std::string all = std::to_string(rows.size());
   if (batch.done() < rows.size()) {
-    throw Failure(Exit::interrupted, "stopped after " + std::to_string(batch.done()) + " of " +
-                                         all + " cases; the same command with --resume continues");
+    throw Failure(Exit::interrupted,
+                  "stopped after " + std::to_string(batch.done()) + " of " + all +
+                      " cases; the same command with --resume continues the batch");
   }
   if (common.as_json) common.as_json(batch_json(rows));
   std::cout << "Results: " << io::printable((common.output / kBatchTable).string())

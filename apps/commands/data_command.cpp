@@ -57,7 +57,7 @@ void print(const MeasuredFile& file) {
     if (table.sample_rate_hz)
       std::cout << " at " << significant(*table.sample_rate_hz, 6) << " Hz, "
                 << significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4)
-                << " s; content up to " << significant(0.5 * *table.sample_rate_hz, 6) << " Hz";
+                << " s; spectrum up to " << significant(0.5 * *table.sample_rate_hz, 6) << " Hz";
     else if (!table.is_time && !table.x.empty())
       std::cout << " over " << channel_with_unit(table.abscissa, table.abscissa_unit) << " from "
                 << significant(table.x.front(), 5) << " to " << significant(table.x.back(), 5);

@@ -138,7 +138,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
     print_condition(page, model, several);
     if (const auto& residuals = sid_case.models[m].residuals; residuals.chosen_kind != nullptr) {
       const ResidualWords words = residuals.model->words();
-      out << "Residuals: " << words.name << words.detail << ", by "
+      out << "Residuals: " << words.name << words.detail << ", chosen by "
           << residuals.chosen_kind->criterion << '\n';
     }
     print_parameters(page, model.parameters);

@@ -155,7 +155,7 @@ std::vector<std::string> explanation_in_words(const Report& alarm) {
   std::vector<std::string> out = {
       "Cause: damage " + share("probability_damage") + ", an added mass " +
       share("probability_added_mass") + ", a sensor fault " + share("probability_sensor_fault") +
-      ", none of these " + share("probability_other") + ". The shift lies " +
+      ", none of these " + share("probability_other") + ". The shift differs by " +
       rounded_text(e.at("sds_from_damage").is_null() ? NAN
                                                      : e.at("sds_from_damage").get<double>()) +
       " of its standard deviations from the nearest shift that damage can cause."};
