@@ -20,4 +20,4 @@
 static_assert(
     EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MALLOC_ALREADY_ALIGNED == 1,
     "wheeltap is built with EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1: link "
-    "wheeltap::base, or define them so, for every file that uses Eigen");
+    "wheeltap::base, or define these macros, for every file that uses Eigen");

@@ -126,7 +126,8 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
         return name + ": its coefficients contradict each other";
       if (has_zero_creep_speed(law, c.data()))
         return name +
-               ": velocity = 0 as a parameter's value, must be > 0 (omit it for exact friction)";
+               ": velocity = 0 as a parameter's value, must be > 0 (omit velocity for exact "
+               "friction)";
     }
   }
   return "";

@@ -112,7 +112,7 @@ void check_table(const std::string& name, const Table& t) {
     if (matrix.size() == 0)
       throw std::invalid_argument(who + ": the parameter \"" + key + "\" is empty");
   if (t.attributes.contains("response_name"))
-    throw std::invalid_argument(who + ": the attribute response_name is not free");
+    throw std::invalid_argument(who + ": response_name is a reserved name of an attribute");
 }
 
 TableFile merge(std::span<const TableFile> shards) {

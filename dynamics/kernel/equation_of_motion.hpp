@@ -122,9 +122,9 @@ class EquationOfMotion {
   WHEELTAP_INLINE V apply(Law, const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
     const V* c = c_ + term.slot;
     if constexpr (Law::kInfo.memory) {
-      static_assert(
-          !Law::kInfo.one_sided && Law::kInfo.paced,
-          "only PacedRungeKutta integrates internal states of laws, and only of two-sided ones");
+      static_assert(!Law::kInfo.one_sided && Law::kInfo.paced,
+                    "only PacedRungeKutta integrates internal states of laws, and only those of "
+                    "two-sided laws");
       q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
       return Law::tension(c, e, rate, q[term.memory]);
     } else if constexpr (Law::kInfo.one_sided) {
