@@ -117,12 +117,12 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   using Joined = emulator::InterpolantType::Runs;
   if (grid && spec.interpolant->runs != Joined::grid) {
     file.refuse(where / "interpolation",
-                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
+                "needs scattered runs (\"design\", \"runs_csv\"); a grid of sites allows " +
                     interpolant_names(Joined::grid));
   }
   if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
-    file.refuse(where / "interpolation",
-                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
+    file.refuse(where / "interpolation", "needs a grid of sites; a scattered design allows " +
+                                             interpolant_names(Joined::scattered));
   }
   if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
   if (p.contains("accuracy")) {

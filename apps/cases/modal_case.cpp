@@ -241,7 +241,7 @@ void read_responses(const CaseFile& file, SetUp& out) {
     if (measured.transposed)
       out.oddities.push_back(
           "There are more references than responses: by reciprocity, Wheeltap exchanges references "
-          "and responses, and the mode shapes are the motions of the references.");
+          "and responses, and the mode shapes are those at the references.");
     out.responses = std::move(measured.responses);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
@@ -282,11 +282,12 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       file.refuse(where / "channels", "is missing: must list the response columns");
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
-        file.refuse(where / key,
-                    "is for records only: without channels Wheeltap uses the FRFs of the file");
+        file.refuse(
+            where / key,
+            "is allowed with records only: without channels, Wheeltap uses the FRFs of the file");
     if (file.json.contains("segment"))
       file.refuse(Pointer("/segment"),
-                  "is for records only: the file contains frequency response functions");
+                  "is allowed with records only: the file contains frequency response functions");
     read_responses(file, out);
     return out;
   }

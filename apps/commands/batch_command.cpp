@@ -281,7 +281,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   throw Failure(static_cast<Exit>((*first)->exit),
                 std::to_string(std::ranges::count_if(rows, failed)) + " of " + all +
                     " cases failed, the first of them " + (*first)->name + " (exit code " +
-                    std::to_string((*first)->exit) + "); --resume runs those again");
+                    std::to_string((*first)->exit) + "); --resume runs the failed cases again");
 }
 
 Command batch_command() {

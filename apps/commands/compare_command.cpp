@@ -94,7 +94,7 @@ Report measured_of(const std::string& name, const Report& summary) {
       (given.contains("truth") && given.contains("record") && !given["record"].contains("file"));
   if (own_data)
     refuse(name,
-           "the data of this run were simulated by its own model: write the data to a file first "
+           "the data of this run were simulated from its case: write the data to a file first "
            "(wheeltap simulate)");
   const Measured measured(name, summary["wheeltap"]);
   Report out = Report::object();

@@ -268,8 +268,8 @@ Command data_command() {
             app.add_option("-o,--output", data->page, "HTML file for the plots of the record")
                 ->type_name("FILE.html");
             app.add_option("--to", data->to,
-                           "format of the converted file (csv, nc or uff), or its name with one of "
-                           "these extensions");
+                           "format of the converted file (csv, nc or uff), or a file name with "
+                           "one of these extensions");
             app.add_option("--sample-rate", data->reading.sample_rate_hz,
                            "sampling rate in Hz, if the file does not state it")
                 ->check(positive());

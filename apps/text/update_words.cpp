@@ -274,8 +274,8 @@ Answer answer(const UpdateFindings& findings) {
                    probabilities(findings.solutions) + ".";
   if (findings.numbering && findings.numbering->probability < 0.5)
     out.headline = "The mode numbers are probably wrong (" +
-                   probability_is(findings.numbering->probability) +
-                   " that they are the model's). " + out.headline;
+                   probability_is(findings.numbering->probability) + " that they are right). " +
+                   out.headline;
   if (!findings.fit.ok()) {
     out.misfit = true;
     const bool fits = findings.fit.p >= kMisfit && findings.fit.best_p >= kMisfit;

@@ -17,7 +17,7 @@ const link = (kind, name, text = name) => element('a', { href: `#/${kind}/${enco
 const newCase = (projects) => attempt(async () => {
   const choice = element('select', {}, projects.starters.map((s, i) => element('option', { value: i }, meanings[`${s.kind} ${s.structure}`] ?? `${s.kind}, ${s.structure}`)));
   const folder = element('input', { value: 'my-case', required: true, spellcheck: 'false' });
-  const given = await ask('New case', [{ label: 'Kind', control: choice }, { label: 'Folder for its files (a new one)', control: folder }], 'Create');
+  const given = await ask('New case', [{ label: 'Kind', control: choice }, { label: 'New folder for the files of the case', control: folder }], 'Create');
   if (!given) return;
   const { kind, structure } = projects.starters[Number(given[0])];
   const { name } = await post('start', { kind, structure, folder: given[1].trim() });

@@ -229,8 +229,8 @@ void read_learning(MonitorCaseFile& out) {
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
     if (stamp->has_zone && !out.time.has_zone)
       out.file.refuse(where,
-                      "states a time zone, but the times of the series state none: write it "
-                      "without a zone, in the time of the series");
+                      "states a time zone, but the times of the series state none: write this date "
+                      "without a zone, as the times of the series");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())
@@ -380,11 +380,11 @@ void check_source(const CaseFile& file) {
   if (table) {
     need("file");
     need("time");
-    reject("times", "is for \"modes\" and \"records\": a table has its own column of times");
+    reject("times", "is allowed with \"modes\" and \"records\" only: a table has its times");
     return;
   }
-  reject("file", "is for a table of features: remove it, or name its columns in \"features\"");
-  reject("sd", "is for a table of features: modes come with their standard deviations");
+  reject("file", "is allowed with \"features\" only: remove it, or name columns in \"features\"");
+  reject("sd", "is allowed with \"features\" only: modes have their own standard deviations");
   for (const char* key : {"time", "time_unit", "covariates"})
     if (!series.contains("times")) reject(key, "needs \"times\", a table of file and time");
 }
