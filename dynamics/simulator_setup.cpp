@@ -145,7 +145,7 @@ void Simulator::Impl::check() {
   if (excitation.base) {
     const BaseMotion& base = *excitation.base;
     if (base.acceleration.samples.empty() && base.displacement.samples.empty())
-      fail("base motion without acceleration or displacement");
+      fail("base motion needs an acceleration or a displacement");
     if (!base.acceleration.samples.empty()) same_length(base.acceleration, "the base acceleration");
     if (!base.displacement.samples.empty()) same_length(base.displacement, "the base displacement");
   }

@@ -362,9 +362,9 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   }
   for (const DefectKind& kind : out.kinds)
     if (kind.severity_prior() == nullptr)
-      f.refuse(
-          damage_key("/predictor"),
-          "a " + kind.name + " of known severity: an external model needs a prior on the severity");
+      f.refuse(damage_key("/predictor"),
+               "a " + kind.name +
+                   " has a known severity: an external model needs a prior on the severity");
   parsed.outside = parse_outside(f, outside_inputs(out));
   if (!f.json["predictor"].contains("emulator")) return;
   const Pointer front("/predictor/emulator");

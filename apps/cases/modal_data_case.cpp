@@ -216,7 +216,7 @@ class ModalDataParser {
       if (f < before)
         file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
                      simulated_value(f) +
-                         "without shapes frequencies must increase, beginning with the lowest "
+                         "without shapes, frequencies must increase, beginning with the lowest "
                          "elastic mode; write null for a mode not measured" +
                          increasing(out_.frequencies_hz));
       before = f;

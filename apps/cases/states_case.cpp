@@ -344,7 +344,7 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   if (out.emulator)
     file.refuse(Pointer("/predictor"),
                 "an emulator supports one beam with known coefficients: with unknown coefficients "
-                "or states use \"fe\"");
+                "or states, use \"fe\"");
   ObservedStates states = parse_states(file, std::move(model), true, simulated);
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });

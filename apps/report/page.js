@@ -223,7 +223,7 @@
       head: [...(states ? ['state'] : []), 'mode', ...(shaped ? ['MAC'] : []), 'information [nats]', `P(${best.name}) without it`],
       rows: rows.map((m) => [...(states ? [m.state ?? ''] : []), states ? m.mode_of_state : m.mode, ...(shaped ? [m.shape ? { value: m.shape.mac.q50, text: number(m.shape.mac.q50, 4) } : null] : []),
         said(m.without_it), m.without_it.reliable ? worded(m.without_it.probability, percent) : '–']),
-      caption: `Change of the posterior without the mode; with all modes, ${best.name} has ${percent(best.probability)}. –: the draws cannot determine such a large change` })];
+      caption: `Change of the posterior without the mode; with all modes, the probability of ${best.name} is ${percent(best.probability)}. –: the draws cannot determine such a large change` })];
   }
   function baselineTable() {
     const rows = Object.entries(summary.baseline?.parameters || {});
@@ -269,7 +269,7 @@
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) refine it.`)) : null,
+      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) refine the resolution.`)) : null,
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 

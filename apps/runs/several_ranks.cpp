@@ -103,7 +103,7 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
 void require_same_on_all_ranks(const std::string& what, const std::string& text) {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(text)) {
     throw Failure(Exit::bad_input, "the ranks do not have the same " + what +
-                                       ": each reads its files on its own machine");
+                                       ": each rank reads files on its own machine");
   }
 }
 

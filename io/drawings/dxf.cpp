@@ -143,8 +143,9 @@ class Reader {
     }
     join();
     if (drawing_.outlines.empty())
-      throw FileError(FileError::Kind::corrupt, name_,
-                      "holds no closed LWPOLYLINE, POLYLINE, CIRCLE, or LINEs and ARCs that close");
+      throw FileError(
+          FileError::Kind::corrupt, name_,
+          "holds no closed LWPOLYLINE, POLYLINE, CIRCLE, or closed path of LINEs and ARCs");
     return std::move(drawing_);
   }
 

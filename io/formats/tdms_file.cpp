@@ -253,7 +253,7 @@ class Parser {
         corrupt("is damaged: a channel refers to a previous layout that does not exist");
     } else {
       Layout layout{.type = take<std::uint32_t>()};
-      if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data of more than one dimension");
+      if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data have more than one dimension");
       layout.count = take<std::uint64_t>();
       const std::size_t size = size_of(layout.type);
       if (layout.type != kString && size == 0)

@@ -160,7 +160,7 @@ void read_features(const signals::Record& table, const SeriesColumns& columns,
       if (x <= 0.0 || std::isinf(x))
         refuse_row(table, static_cast<int>(i), column,
                    base::number(x) +
-                       ": a feature must be positive and finite; leave the cell empty where the "
+                       ": a feature must be positive and finite; leave the cell empty if the "
                        "value is missing");
       out.features(i, j) = x;
       series.features(i, j) = std::log(x);
@@ -380,7 +380,7 @@ void check_source(const CaseFile& file) {
   if (table) {
     need("file");
     need("time");
-    reject("times", "is allowed with \"modes\" and \"records\" only: a table has its times");
+    reject("times", "is allowed with \"modes\" and \"records\" only: a table has a time column");
     return;
   }
   reject("file", "is allowed with \"features\" only: remove it, or name columns in \"features\"");

@@ -110,7 +110,7 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
         return "has a DC offset of " + in_sd(found.value) + " standard deviations";
       case coarse:
         return "is coarse: the quantisation step is " + in_sd(100.0 * found.value) +
-               " % of its standard deviation";
+               " % of the standard deviation";
     }
     return {};
   };

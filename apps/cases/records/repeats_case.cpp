@@ -119,7 +119,7 @@ std::string in_words(const RepeatedTests& tests, const std::string& origin) {
     if (tests.inflation[j] > 1.0)
       independent = std::min(independent, tests.identified[j] / tests.inflation[j]);
   if (std::isfinite(independent))
-    out += "; consecutive tests are correlated: the mean has the error of about " +
+    out += "; consecutive tests are correlated: the error of the mean is that of about " +
            significant(independent, 2) + " independent tests (worst mode)";
   return out;
 }

@@ -46,8 +46,8 @@ void write_full_frequencies(const Discretisation& intact, const StructureChange&
   const auto count = static_cast<int>(frequencies_hz.size());
   const StructureModes full = structure_modes(changed(intact, change), count);
   if (!full.certified)
-    throw std::runtime_error("the changed structure: whether its first " + std::to_string(count) +
-                             " modes are complete could not be verified");
+    throw std::runtime_error("the changed structure: could not verify that its first " +
+                             std::to_string(count) + " modes are complete");
   std::ranges::copy(full.frequencies_hz, frequencies_hz.begin());
 }
 
