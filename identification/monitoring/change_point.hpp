@@ -24,10 +24,10 @@
 // filter without a change has a separate noise inflation, because entries after damage are outliers
 // for this filter only.
 //
-// Parameter draws are mixed with a fixed share: at each row, a fraction kShare of the weight is
-// redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its weight. Every
-// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
-// change.
+// Parameter draws are mixed with a fixed share: at each row, the fraction `fixed_share` of the
+// weight is redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its
+// weight. Every predictive density is normalised, hence Λ_τ,t is a test martingale under the
+// mixture without a change.
 #pragma once
 
 #include <cstdint>
