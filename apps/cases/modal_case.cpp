@@ -82,11 +82,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     }
   }
   if (foreign && !known.empty())
-    file.refuse(
-        out.places[*foreign] / "scale",
-        "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-            ", an unknown unit, and " + known.front() +
-            " is in a known unit. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
+    file.refuse(out.places[*foreign] / "scale",
+                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
+                    ", an unknown unit, but the unit of " + known.front() +
+                    " is known. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
@@ -282,12 +281,11 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       file.refuse(where / "channels", "is missing: must list the response columns");
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
-        file.refuse(
-            where / key,
-            "is allowed with records only: without channels, Wheeltap uses the FRFs of the file");
+        file.refuse(where / key,
+                    "needs a record: without channels, Wheeltap uses the FRFs of the file");
     if (file.json.contains("segment"))
       file.refuse(Pointer("/segment"),
-                  "is allowed with records only: the file contains frequency response functions");
+                  "needs a record: the file contains frequency response functions");
     read_responses(file, out);
     return out;
   }
