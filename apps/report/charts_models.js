@@ -46,7 +46,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const all = ['chains', ...methods.map(([m]) => m)];
     return [{
       id: 'evidence', section: 'models', wide: true, title: 'Probabilities from independent evidences',
-      caption: 'Probabilities from the chains, and from methods that compute the evidence of each model separately. Whiskers: twice the standard error. All methods should agree.',
+      caption: 'Probabilities from the chains, and from methods that compute the evidence of each model separately. Whiskers: twice the standard error. The results should agree.',
       table: () => ({ head: ['method', 'model', 'ln evidence', 'standard error', 'ln Bayes factor', 'probability', 'error of the probability', 'likelihood evaluations'],
         rows: methods.flatMap(([method, rows]) => rows.map((r) => [method, r.model, r.log_evidence, r.standard_error, r.log_bayes_factor, r.probability, r.probability_error, r.likelihood_evaluations])) }),
       spec: (width, theme) => frame(width, (14 * all.length + 12) * models.length, theme, {

@@ -229,7 +229,8 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const Report& monitor = summary.at("monitor");
   std::string out =
       page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
-                {false_alarms_in_words(monitor) + " Wheeltap uses the higher threshold."});
+                {false_alarms_in_words(monitor) +
+                 " By default, Wheeltap uses the higher of the thresholds of model and replay."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";

@@ -307,7 +307,7 @@ void DelimitedText::refuse_wrapped_series() const {
   fail({.line = layout_.above.front().number},
        std::string("rows hold several samples of one series (") + (slist ? "SLIST" : "K-NET") +
            "), so columns are not channels: write one sample per line" +
-           (slist ? " (TSPAIR)" : ", times its scale factor") + ", or as MATLAB or NumPy file");
+           (slist ? " (TSPAIR)" : ", times its scale factor") + ", or use a MATLAB or NumPy file");
 }
 
 /// Excludes remarks after the rows; a truncated row is not a remark.

@@ -178,7 +178,7 @@ std::string check_sentence(const Report& plan) {
       " of the simulated tests. " +
       (missed > 0
            ? "In " + std::to_string(missed) +
-                 " of these tests, its search missed the true damage; these tests do not count. "
+                 " of these tests, the search missed the true damage; these tests are not counted. "
            : std::string()) +
       "In the counted tests, " + std::to_string(check.at("damaged").get<int>()) +
       " of them with damage, P(at least one damage) of the engine differs by " +
