@@ -26,7 +26,7 @@ struct SeriesTable {
 
 SeriesTable table_of(const io::Columns& series) {
   if (series.columns.size() < 8 || (series.columns.size() - 4) % 4 != 0)
-    throw std::invalid_argument("series.csv has other columns than a run writes");
+    throw std::invalid_argument("series.csv does not have the columns that a run writes");
   SeriesTable out;
   const auto at = [&](std::size_t i) { return series.columns[i].values; };
   out.time = at(0);

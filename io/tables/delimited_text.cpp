@@ -443,7 +443,7 @@ DayOrder DelimitedText::day_order(int column) const {
   Columns table{.file = name_.string(), .columns = headers_, .first_line = first_line_};
   const std::vector<std::string> found = cells(0);
   fail(table.place(0, column), "the date of " + shown(found[static_cast<std::size_t>(column)]) +
-                                   " is ambiguous, day or month first: state \"time_format\": "
+                                   " is ambiguous, with day or month first: state \"time_format\": "
                                    "\"day-first\" or \"time_format\": "
                                    "\"month-first\"");
 }
