@@ -11,8 +11,8 @@
 
 namespace wheeltap::apps {
 
-/// A column with one number per draw, or a fixed number of slots per draw. Slots that a draw does
-/// not use contain NaN. The values of a column are computed when they are needed, because all
+/// A column with one number per draw, or with a fixed number of slots per draw. Slots that a draw
+/// does not use contain NaN. The values of a column are computed when they are needed, because all
 /// columns of millions of draws would not fit into memory.
 struct DrawColumn {
   std::string name;

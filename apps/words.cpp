@@ -107,11 +107,11 @@ std::string name_modes(const std::vector<int>& modes) {
 }
 
 std::string entered_in_words(long entered, long proposed) {
-  if (proposed == 0 && entered == 0) return "never proposed";
+  if (proposed == 0 && entered == 0) return "no jump proposed";
   const std::string of = grouped(proposed) + (proposed == 1 ? " proposal" : " proposals");
-  if (entered == 0) return "not entered in " + of;
-  return "entered " + (entered == 1 ? std::string("once") : grouped(entered) + " times") + " in " +
-         of + ", but in no draw that was kept";
+  if (entered == 0) return "no jump accepted in " + of;
+  return "jump accepted " + (entered == 1 ? std::string("once") : grouped(entered) + " times") +
+         " in " + of + ", but no draw kept";
 }
 
 std::string told_by_evidence(const ModelFinding& model) {
@@ -123,31 +123,31 @@ std::string told_by_evidence(const ModelFinding& model) {
                : "not evaluated: the models with one term fewer or more are improbable";
   if (s.visited != 0 && !known) return {};
   std::string text = s.visited != 0
-                         ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
+                         ? "drawn by only " + std::to_string(s.visited) + " of the chains; "
                          : entered_in_words(s.entered, s.proposed) + "; ";
   if (!known) return text + "its evidence is not known";
   if (model.prior == 0.0) return "has no prior probability";
-  if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
-  text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
+  if (!(s.probability > 1e-300)) return text + "its evidence implies P < 1e-300";
+  text += "its evidence implies P ≈ " + significant(s.probability, 3);
   if (std::isfinite(s.mcse) && s.mcse > 0.0) text += " ± " + significant(s.mcse, 1);
   return text;
 }
 
 std::string resolution_in_words(const inference::Verdict& verdict) {
   if (!(verdict.resolution > 0.0 && verdict.resolution < 1.0)) return {};
-  std::string text = "posterior modes reached from less than " +
+  std::string text = "posterior modes with a basin of attraction below " +
                      significant(100.0 * verdict.resolution, 2) +
                      " % of the prior may have been missed";
   if (verdict.resolved_width > 0.0) {
-    text += ". The limit increases in proportion for posterior modes narrower than " +
+    text += ". This limit increases as 1 / width for posterior modes narrower than " +
             significant(verdict.resolved_width, 1) +
             " standard deviations of the prior; posterior modes narrower than " +
             significant(verdict.resolution * verdict.resolved_width, 1) +
-            " standard deviations may have been missed anywhere";
+            " standard deviations may have been missed in any case";
   }
   if (verdict.glanced > 0) {
     text +=
-        ". This applies to models that hold " +
+        ". This resolution applies to models that hold " +
         significant(100.0 * inference::kLimits.searched_model, 1) +
         " % of the probability or more; " +
         (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
@@ -182,8 +182,8 @@ std::string baseline_statement(const identification::Baseline& baseline) {
   }
   return "the measured frequencies of the undamaged structure differ from the model by " +
          significant(low, 2) + " to " + significant(high, 2) +
-         " %; Wheeltap compares changes from the baseline, and the reported "
-         "frequencies are scaled to the model.";
+         " %; Wheeltap evaluates changes from the baseline and scales the "
+         "reported frequencies to the model.";
 }
 
 std::string images_statement(const std::vector<std::vector<std::string>>& alike,
@@ -201,7 +201,7 @@ std::string images_statement(const std::vector<std::vector<std::string>>& alike,
   if (alike.size() > kNamed)
     parts.push_back("nor " + std::to_string(alike.size() - kNamed) + " more such groups");
   if (!turned.empty())
-    parts.push_back((parts.empty() ? "" : "nor ") + std::string("a place s on ") + some(turned) +
+    parts.push_back((parts.empty() ? "" : "nor ") + std::string("a location s on ") + some(turned) +
                     " from L - s");
   std::string text = "The intact structure is symmetric, so its frequencies cannot distinguish ";
   for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : ", ") + parts[i];
@@ -221,14 +221,14 @@ std::string emulator_warning(int damages, const std::vector<int>& blind) {
 std::string in_words(inference::Choice choice) {
   switch (choice) {
     case inference::Choice::restarted_tempered:
-      return "The chains disagreed, so they were restarted with parallel tempering throughout.";
+      return "The chains disagreed, so Wheeltap restarted them with parallel tempering throughout.";
     case inference::Choice::started_on_first_samples:
       return "The record is long, so the chains started near posterior modes found in its first "
              "samples, and Wheeltap tracked these modes as more samples were added.";
     case inference::Choice::drawn_by_searches:
-      return "The run was stopped before its chains had draws; the reported draws are draws around "
-             "the posterior modes "
-             "that its searches found.";
+      return "The run stopped before its chains had draws. The reported draws lie in the "
+             "neighbourhood of the posterior modes "
+             "that the searches found.";
   }
   return {};
 }

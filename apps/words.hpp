@@ -18,16 +18,16 @@ using base::grouped;
 /// x with `digits` significant digits, without trailing zeros. Numbers from 1e-4 to a million have
 /// plain notation ("350", not "3.5e+02"); other numbers have the form "5.4e-6".
 [[nodiscard]] std::string significant(double x, int digits);
-/// x with the digits that an interval of the given width requires: two significant digits of the
-/// width, and at least three and at most ten significant digits of x.
+/// x rounded to two significant digits of `width`, the width of an interval. The result has at
+/// least three and at most ten significant digits.
 [[nodiscard]] std::string resolved(double x, double width);
 /// A count rounded to three digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);
 /// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
 /// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound of the
-/// probability: "> 99.9 %". If two Monte Carlo errors exceed 0.1 %, the bound differs from the
-/// probability by two errors: "> 72 %".
+/// probability: "> 99.9 %". If twice the Monte Carlo error exceeds 0.1 %, the bound differs from
+/// the probability by twice this error: "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
 /// " ± 2 %": the error shown by percent(); empty if percent() returns a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);

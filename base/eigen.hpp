@@ -15,9 +15,9 @@
 
 #if !defined(EIGEN_NO_CPUID)
 #error \
-    "wheeltap is built with EIGEN_NO_CPUID: link wheeltap::base, or define it, for every file that uses Eigen"
+    "wheeltap is built with EIGEN_NO_CPUID: for every file that uses Eigen, link wheeltap::base or define this macro"
 #endif
 static_assert(
     EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MALLOC_ALREADY_ALIGNED == 1,
     "wheeltap is built with EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1: link "
-    "wheeltap::base, or define them so, for every file that uses Eigen");
+    "wheeltap::base, or define these macros, for every file that uses Eigen");

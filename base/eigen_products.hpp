@@ -59,8 +59,8 @@ struct Factor {
   Factor transposed() const { return {matrix.transposed(), conjugate}; }
 };
 
-// Computes C = scale A B, or C += scale A B if `add` is true. The inner strides of all matrices are
-// 1. Matrices without entries are allowed; C must not overlap A or B.
+// Computes C = scale A B, or C += scale A B if `add` is true. Inner strides of all matrices are 1.
+// Matrices without entries are allowed; C must not overlap A or B.
 void multiply(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
               const Dense<double>& c);
 void multiply(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,

@@ -33,8 +33,8 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
   return widest;
 }
 
-/// True if this processor has the instructions that the compiler may use. The compiler flag for
-/// avx2 is -mavx2; the flags for avx512 are -mavx512f -mavx512dq -mavx512vl.
+/// True if this processor has all instructions that a compilation for `instructions` may use. The
+/// compiler flag for avx2 is -mavx2; the flags for avx512 are -mavx512f -mavx512dq -mavx512vl.
 [[nodiscard]] inline bool processor_has(Instructions instructions) {
   if (instructions == Instructions::automatic || instructions == Instructions::baseline)
     return true;

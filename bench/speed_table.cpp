@@ -1,5 +1,5 @@
-// The README's speed table: every row a ratio between things that were timed in turns within one
-// run, so that it holds whatever the machine, beside what the machine itself can do.
+// The table of docs/speed.md. Every row is a ratio of times that were measured in turns within one
+// run, so that it hardly depends on the machine. The table also gives the speed of the machine.
 //
 //   speed_table            prints Markdown
 #include <chrono>
@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kRounds = 7;
 volatile double sink = 0.0;
 
-/// Seconds of one call each, the least of several rounds in turns.
+/// Time per call of each function [s]: the smallest of several rounds of all functions in turn.
 std::vector<double> in_turns(const std::vector<std::pair<std::function<void()>, int>>& work) {
   std::vector<double> least(work.size(), 1e300);
   for (int round = 0; round < kRounds; ++round) {
@@ -65,8 +65,8 @@ std::string ratio(double x, const std::string& of) {
 
 // ---- the machine -----------------------------------------------------------------------------
 
-/// Multiply-adds a second of one core, eight independent chains of the portable vector width, and
-/// bytes a second read from memory.
+/// Multiply-adds per second of one core, in eight independent chains of the portable vector width,
+/// and bytes per second read from memory.
 struct Machine {
   double multiply_adds, bandwidth;
 };
@@ -178,8 +178,8 @@ std::vector<double> force() {
   return x;
 }
 
-/// Three masses, as a plain program would integrate them: Runge and Kutta's classical scheme at the
-/// sampling step, the force linear between samples; the sum of squares of the displacements.
+/// Integrates three masses like a simple program: classical Runge-Kutta scheme with the sampling
+/// step, force linear between samples. Returns the sum of squares of the displacements.
 double plain_loop(const std::vector<double>& f, double k, double c, double k3) {
   double y[3] = {}, v[3] = {}, sum = 0.0;
   const auto accelerate = [&](const double* p, const double* s, double drive, double* a) {
@@ -285,7 +285,7 @@ void sampler(const Machine& machine) {
         .wall_seconds;
   };
   constexpr int kDraws = 300000;
-  const double each = (seconds(2 * kDraws) - seconds(kDraws)) / kDraws;  // warm-up cancels
+  const double each = (seconds(2 * kDraws) - seconds(kDraws)) / kDraws;  // the warm-up cancels
   row("the sampler above its likelihood, 6 parameters, an iteration", time(each),
       ratio(each * machine.multiply_adds, "multiply-adds of the machine's"));
 }

@@ -78,7 +78,7 @@ void validate(const Chain& chain) {
     if (link.a == link.b) fail(name + " joins mass " + std::to_string(link.a) + " to itself");
     for (const Coefficient* c : {&link.stiffness, &link.damping})
       if (c->is_constant() && !std::isfinite(c->value))
-        fail(name + " has a coefficient not finite");
+        fail(name + " has a coefficient that is not finite");
     for (const Law& law : link.laws) {
       if (law.kind < 0 || law.kind >= LawList::kSize)
         fail(name + " has a law of kind " + std::to_string(law.kind) + ", must be in [0, " +
@@ -126,7 +126,8 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
         return name + ": its coefficients contradict each other";
       if (has_zero_creep_speed(law, c.data()))
         return name +
-               ": velocity = 0 as a parameter's value, must be > 0 (omit it for exact friction)";
+               ": velocity = 0 as a parameter's value, must be > 0 (omit velocity for exact "
+               "friction)";
     }
   }
   return "";

@@ -69,12 +69,12 @@ struct Task {
   int initial_slot = 0;  ///< slot of the displacements, then velocities; masses have the slots 0,
                          ///< 1, …
 
-  /// coefficients[slot · W + lane]. All following arrays are 64-byte aligned.
+  /// The layout is coefficients[slot · W + lane]. All following arrays are 64-byte aligned.
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
   double* sums = nullptr;     ///< [sensor][lane]; null: store the trajectory
-  /// `weights` is [sensor][lane] or null, `limits` [lane]. If the weighted sum of a lane exceeds
-  /// the limit of the lane, the lane fails at once.
+  /// `weights` is [sensor][lane] or null, and `limit` is [lane]. If the weighted sum of a lane
+  /// exceeds the limit of the lane, the lane fails at once.
   const double* weights = nullptr;
   const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]

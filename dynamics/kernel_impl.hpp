@@ -3,8 +3,8 @@
 //   WHEELTAP_KERNEL        its own namespace, so that no two instruction sets share a symbol,
 //   WHEELTAP_KERNEL_TABLE  the name of its table of functions (base/simd.hpp),
 //   WHEELTAP_LANES         the number of doubles in a vector.
-// The compiler does not contract operations to fused multiply-adds, so the results are the same
-// bits for every vector width.
+// The compiler does not contract operations to fused multiply-adds, so the results are bitwise
+// equal for every vector width.
 #pragma once
 
 #include "dynamics/kernel.hpp"

@@ -94,8 +94,8 @@ struct LawInfo {
   }
 };
 
-/// Upper bounds of the slopes, for the choice of the time step: the largest slopes of a force law
-/// for |e| <= e_max, and for a paced force law the growth of the slopes with |ė|.
+/// Upper bounds of the slopes of a force law for |e| <= e_max, for the choice of the time step. For
+/// a paced force law, also the growth of the slopes with |ė|.
 struct Slopes {
   double stiffness = 0.0;  ///< |∂T/∂e| [N/m]
   double damping = 0.0;    ///< |∂T/∂ė| at ė = 0, or an upper bound of |∂T/∂ė| [N s/m]

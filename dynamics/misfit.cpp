@@ -79,7 +79,7 @@ void Misfit::sums_of_squares_within(std::span<const double> thetas, int sets,
   require_parameters(thetas, sets, impl_->parameters);
   const std::size_t channels = impl_->observed.size();
   if (out.size() != static_cast<std::size_t>(sets) * channels)
-    fail("room for " + std::to_string(out.size()) + " sums, must be " +
+    fail("the array has " + std::to_string(out.size()) + " sums, must have " +
          std::to_string(static_cast<std::size_t>(sets) * channels));
   if (!limits.empty() &&
       (limits.size() != static_cast<std::size_t>(sets) || weights.size() != out.size()))
@@ -109,8 +109,8 @@ bool Misfit::sums_of_squares_within(std::span<const double> theta, std::span<con
   require_parameters(theta, 1, impl_->parameters);
   const std::size_t channels = impl_->observed.size();
   if (out.size() != channels || weights.size() != channels)
-    fail("room for " + std::to_string(out.size()) + " sums and " + std::to_string(weights.size()) +
-         " weights, must be " + std::to_string(channels));
+    fail("arrays of " + std::to_string(out.size()) + " sums and " + std::to_string(weights.size()) +
+         " weights, must have " + std::to_string(channels));
   bool within = false;
   const auto receive = [&](const Lane& lane, const kernel::Task& task) {
     if (lane.outcome != Outcome::complete) return;
@@ -139,8 +139,9 @@ void Misfit::residuals(std::span<const double> thetas, int sets, std::span<doubl
   const auto count = static_cast<std::size_t>(sets);
   const std::size_t channels = impl_->observed.size(), each = samples * channels;
   if (out.size() != each * count || done.size() != count)
-    fail("room for " + std::to_string(out.size()) + " residuals of " + std::to_string(done.size()) +
-         " vectors, must be " + std::to_string(each * count) + " of " + std::to_string(count));
+    fail("arrays of " + std::to_string(out.size()) + " residuals of " +
+         std::to_string(done.size()) + " vectors, must be " + std::to_string(each * count) +
+         " of " + std::to_string(count));
   const std::size_t dimension = count == 0 ? 0 : thetas.size() / count;
   const auto receive = [&](const Lane& lane, const kernel::Task& task) {
     done[lane.set] = lane.outcome == Outcome::complete ? 1 : 0;

@@ -114,17 +114,17 @@ void Simulator::Impl::check() {
     fail(std::to_string(options.extension.size()) + " extensions, must be one per link (" +
          std::to_string(chain.links.size()) + ")");
   if (options.integrator == Integrator::exact && !chain.is_linear())
-    fail("the exact solution is for chains without nonlinear laws");
+    fail("the exact solution needs a chain without nonlinear laws");
   if (options.integrator == Integrator::series && !has_series(chain))
-    fail("series are for chains whose laws are powers of the extension (on at most " +
+    fail("series need a chain whose laws are powers of the extension (on at most " +
          std::to_string(kernel::kMaxPolynomials) + " links), bilinear or contact (at most " +
          std::to_string(kernel::kMaxThresholds) + "), or exact friction");
   if (detail::frictions(chain).size() > kernel::kMaxFrictions)
     fail("exact friction between " + std::to_string(detail::frictions(chain).size()) +
          " pairs of masses, must be at most " + std::to_string(kernel::kMaxFrictions) +
-         ": give the coulomb laws of the others a velocity > 0");
+         ": give the coulomb laws of other pairs a velocity > 0");
   if (options.integrator == Integrator::piecewise && !is_piecewise_linear(chain))
-    fail("the piecewise exact solution is for chains with 1 to " +
+    fail("the piecewise exact solution needs a chain with 1 to " +
          std::to_string(kernel::kMaxThresholds) + " laws, all bilinear or contact");
 
   std::size_t length = 0;
@@ -145,7 +145,7 @@ void Simulator::Impl::check() {
   if (excitation.base) {
     const BaseMotion& base = *excitation.base;
     if (base.acceleration.samples.empty() && base.displacement.samples.empty())
-      fail("base motion without acceleration or displacement");
+      fail("base motion needs an acceleration or a displacement");
     if (!base.acceleration.samples.empty()) same_length(base.acceleration, "the base acceleration");
     if (!base.displacement.samples.empty()) same_length(base.displacement, "the base displacement");
   }

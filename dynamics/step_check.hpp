@@ -31,8 +31,8 @@ struct CheckedResponse {
 /// Simulates the response of the simulator's chain with a sufficient number of steps. A first
 /// simulation gives the extensions of links with nonlinear laws. Then the steps are halved as
 /// StepCheck specifies, or the integrator `series` is used if the laws allow it. If the options fix
-/// the number of substeps, the steps are not changed, and only the change of the response when they
-/// are halved is computed.
+/// the number of substeps, the steps are not changed, and the function only computes the change of
+/// the response with halved steps.
 [[nodiscard]] CheckedResponse checked_response(const Simulator& simulator,
                                                std::span<const double> theta,
                                                const StepCheck& check = {});

@@ -59,7 +59,7 @@ AnovaEmulator::AnovaEmulator(std::vector<double> baseline, std::size_t factors_p
       single_(std::move(single)),
       pair_(std::move(pair)),
       additive_(additive) {
-  if (baseline_.empty()) throw std::invalid_argument("an ANOVA emulator without responses");
+  if (baseline_.empty()) throw std::invalid_argument("an ANOVA emulator needs responses");
   if (factors_ < 1) throw std::invalid_argument("factors per component = 0 must be >= 1");
   for (double& f : baseline_) {
     if (additive_ != Additive::response && !(f > 0.0))
@@ -71,11 +71,11 @@ AnovaEmulator::AnovaEmulator(std::vector<double> baseline, std::size_t factors_p
 
 void AnovaEmulator::evaluate(std::span<const double> x, std::span<double> out) const {
   if (x.size() % factors_ != 0)
-    throw std::invalid_argument(std::to_string(x.size()) + " values for components of " +
-                                std::to_string(factors_) + " factors");
+    throw std::invalid_argument(std::to_string(x.size()) + " values: must be a multiple of the " +
+                                std::to_string(factors_) + " factors of a component");
   if (out.size() != responses())
-    throw std::invalid_argument("an output array of " + std::to_string(out.size()) +
-                                " responses; there are " + std::to_string(responses()));
+    throw std::invalid_argument("the output array has " + std::to_string(out.size()) +
+                                " responses, must have " + std::to_string(responses()));
   const std::size_t count = x.size() / factors_;
   if (count == 1) return single_(x, out);
   if (count == 2) return pair_(x, out);

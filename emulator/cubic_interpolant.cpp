@@ -117,7 +117,7 @@ CubicInterpolant::CubicInterpolant(std::vector<Factor> factors, RowMatrix values
   for (AxisRule rule : rules_) {
     nodes *= rule == AxisRule::linear ? 2 : 4;
     if (nodes > kMostNodes)
-      throw std::invalid_argument("a cubic stencil of more than " + std::to_string(kMostNodes) +
+      throw std::invalid_argument("a cubic stencil has more than " + std::to_string(kMostNodes) +
                                   " nodes: interpolate linearly along more of the " +
                                   std::to_string(factors_.size()) + " factors");
   }
@@ -126,8 +126,8 @@ CubicInterpolant::CubicInterpolant(std::vector<Factor> factors, RowMatrix values
 void CubicInterpolant::evaluate(std::span<const double> x, std::span<double> out) const {
   require_inside(factors_, x);
   if (out.size() != static_cast<std::size_t>(responses()))
-    throw std::invalid_argument("an output array of " + std::to_string(out.size()) +
-                                " responses; there are " + std::to_string(responses()));
+    throw std::invalid_argument("the output array has " + std::to_string(out.size()) +
+                                " responses, must have " + std::to_string(responses()));
   std::array<Stencil, 12> stencils;  // kMostNodes = 2^12
   std::array<const double*, kMostNodes> nodes;
   nodes[0] = values_.data();

@@ -65,7 +65,7 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
   if (runs < d + 1)
     refuse(std::to_string(runs) + " runs in " + std::to_string(d) + " factors; at least " +
            std::to_string(d + 1) + " are needed");
-  if (!values_.allFinite()) refuse("values that are not finite");
+  if (!values_.allFinite()) refuse("a value is not finite");
   for (const Factor& factor : factors_) {
     low_.push_back(to_scale(factor.scale, factor.low()));
     range_.push_back(to_scale(factor.scale, factor.high()) - low_.back());
@@ -215,8 +215,8 @@ std::size_t DelaunayInterpolant::hint(const Coordinates& u) const {
 
 void DelaunayInterpolant::evaluate(std::span<const double> x, std::span<double> out) const {
   if (x.size() != dimension() || out.size() != static_cast<std::size_t>(responses()))
-    throw std::invalid_argument("a point of " + std::to_string(x.size()) + " values for " +
-                                std::to_string(dimension()) + " factors and an output array of " +
+    throw std::invalid_argument("a point has " + std::to_string(x.size()) + " values for " +
+                                std::to_string(dimension()) + " factors, the output array has " +
                                 std::to_string(out.size()) + " of " + std::to_string(responses()) +
                                 " responses");
   Weights lambda;

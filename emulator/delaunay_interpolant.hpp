@@ -29,8 +29,8 @@ class DelaunayInterpolant final : public Interpolant {
   /// std::invalid_argument for invalid factors or more than kMostFactors, sizes that disagree,
   /// points outside the factors' ranges, duplicate points and values that are not finite. Also
   /// throws std::invalid_argument for fewer than d + 1 points, and for points that all lie in a
-  /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors,
-  /// because the corners of a cell lie on a sphere and their triangulation is arbitrary; use
+  /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors:
+  /// the corners of a cell lie on a sphere, so their triangulation is arbitrary. Use
   /// MultilinearInterpolant for grids.
   DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
 

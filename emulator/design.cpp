@@ -126,7 +126,7 @@ bool contains(const std::vector<Factor>& factors, std::span<const double> x) {
 
 void require_inside(const std::vector<Factor>& factors, std::span<const double> x) {
   if (x.size() != factors.size())
-    throw std::invalid_argument("a point of " + std::to_string(x.size()) + " values for " +
+    throw std::invalid_argument("a point has " + std::to_string(x.size()) + " values for " +
                                 std::to_string(factors.size()) + " factors");
   for (std::size_t j = 0; j < x.size(); ++j)
     if (!(x[j] >= factors[j].low() && x[j] <= factors[j].high()))

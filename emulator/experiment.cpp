@@ -191,9 +191,9 @@ class Experiment {
 RowMatrix run_experiment(const Design& design, Eigen::Index responses, const ModelFactory& factory,
                          const ExperimentOptions& options) {
   const Eigen::Index runs = design.runs();
-  if (runs < 1) throw std::invalid_argument("an experiment on an empty design");
+  if (runs < 1) throw std::invalid_argument("the design of the experiment is empty");
   if (design.points.cols() != static_cast<Eigen::Index>(design.factors.size()))
-    throw std::invalid_argument("a design with " + std::to_string(design.points.cols()) +
+    throw std::invalid_argument("a design has " + std::to_string(design.points.cols()) +
                                 " columns for " + std::to_string(design.factors.size()) +
                                 " factors");
   if (responses < 1)
@@ -208,7 +208,7 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
 Design shard(const Design& design, Eigen::Index part, Eigen::Index parts) {
   if (parts < 1 || part < 0 || part >= parts)
     throw std::invalid_argument("part " + std::to_string(part) + " of " + std::to_string(parts) +
-                                " parts: 0 <= part < parts is needed");
+                                " parts: must have 0 <= part < parts");
   const Eigen::Index runs = (design.runs() - part + parts - 1) / parts;
   if (runs < 1)
     throw std::invalid_argument("part " + std::to_string(part) + " of " + std::to_string(parts) +

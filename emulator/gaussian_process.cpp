@@ -438,9 +438,9 @@ void GaussianProcess::evaluate(std::span<const double> x, std::span<double> mean
   require_inside(impl_->factors, x);
   if (mean.size() != static_cast<std::size_t>(responses()) ||
       (!variance.empty() && variance.size() != mean.size()))
-    throw std::invalid_argument("output arrays of " + std::to_string(mean.size()) + " means and " +
-                                std::to_string(variance.size()) + " variances; there are " +
-                                std::to_string(responses()) + " responses");
+    throw std::invalid_argument("output arrays have " + std::to_string(mean.size()) +
+                                " means and " + std::to_string(variance.size()) +
+                                " variances for " + std::to_string(responses()) + " responses");
   thread_local std::vector<double> u;
   thread_local ArrayXd r;
   thread_local VectorXd half;

@@ -24,9 +24,9 @@ void check_options(const std::vector<Factor>& factors, Eigen::Index responses,
     require(t > 0.0, "the tolerance " + std::to_string(t) + " must be > 0");
   require(
       options.interpolant != nullptr && options.interpolant->runs == InterpolantType::Runs::grid,
-      "an interpolant on grids is needed");
+      "the interpolant must support grids");
   require(options.waves.empty() || options.waves.size() == factors.size(),
-          "one entry of waves per factor is needed");
+          "waves must have one entry per factor");
   require(options.candidates.empty() || options.candidates.size() == factors.size(),
           "candidates for " + std::to_string(options.candidates.size()) + " of " +
               std::to_string(factors.size()) + " factors");

@@ -63,7 +63,7 @@ struct InterpolantType {
   using Train = std::unique_ptr<const Interpolant> (*)(Table& table,
                                                        const TrainingOptions& options);
 
-  std::string_view name;   ///< "interpolation" in a case and in a table file
+  std::string_view name;   ///< value of "interpolation" in a case and in a table file
   std::string_view words;  ///< display name, e.g. "Gaussian process"
   Runs runs = Runs::grid;  ///< accepted runs; types for scattered runs also accept a grid
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();

@@ -42,8 +42,8 @@ MultilinearInterpolant::MultilinearInterpolant(std::vector<Factor> factors, RowM
 void MultilinearInterpolant::evaluate(std::span<const double> x, std::span<double> out) const {
   require_inside(factors_, x);
   if (out.size() != static_cast<std::size_t>(responses()))
-    throw std::invalid_argument("an output array of " + std::to_string(out.size()) +
-                                " responses; there are " + std::to_string(responses()));
+    throw std::invalid_argument("the output array has " + std::to_string(out.size()) +
+                                " responses, must have " + std::to_string(responses()));
   constexpr std::size_t kMostCorners = std::size_t{1} << kMostFactors;
   std::array<double, kMostCorners> weights;
   std::array<const double*, kMostCorners> corners;

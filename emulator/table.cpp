@@ -31,7 +31,7 @@ void keep_common(Map& a, const Map& b, Same alike) {
   });
 }
 
-/// Copies a run of `b` into a row that may already contain it; `where` names the run in errors.
+/// Copies a run of `b` into a row that may already hold this run; `where` names the run in errors.
 void put_run(RowMatrix& values, Eigen::Index row, const Table& b, Eigen::Index from,
              const std::string& where) {
   if (b.values.row(from).hasNaN()) return;
@@ -112,7 +112,7 @@ void check_table(const std::string& name, const Table& t) {
     if (matrix.size() == 0)
       throw std::invalid_argument(who + ": the parameter \"" + key + "\" is empty");
   if (t.attributes.contains("response_name"))
-    throw std::invalid_argument(who + ": the attribute response_name is not free");
+    throw std::invalid_argument(who + ": response_name is a reserved name of an attribute");
 }
 
 TableFile merge(std::span<const TableFile> shards) {

@@ -41,7 +41,7 @@ inline double envelope_factor() {
     const double mu = static_cast<double>(i) / kPoints;
     most = std::max(most, beta_density(mu) / proposal_density(mu));
   }
-  return most * (1.0 + 1e-8);  // the maximum on the grid is too small by at most this order
+  return most * (1.0 + 1e-8);  // the maximum on the grid is too small by about this ratio at most
 }
 
 struct WeightedMean {
@@ -68,7 +68,7 @@ inline WeightedMean importance(const std::function<double(double)>& f, int n,
   return {mean, std::sqrt(variance), sum * sum / squares};
 }
 
-/// Accepts draws of the proposal with probability p / (j · proposal density): independent draws.
+/// Accepts draws of the proposal with probability p / (j · proposal density). Draws are independent.
 inline std::vector<double> rejection(int n, base::Random& random) {
   const double j = envelope_factor();
   std::vector<double> draws;

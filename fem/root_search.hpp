@@ -92,8 +92,8 @@ class RootSearch {
     double z = 0.0;  // next λ at which the secular problem is evaluated
     double low = 0.0, high = 0.0;
     int evaluations = 0;
-    bool confirming = false;
-    double lambda = 0.0;  // true while waiting for confirmation
+    bool confirming = false;  // true while waiting for confirmation
+    double lambda = 0.0;      // approximate root that waits for confirmation
   };
 
   [[nodiscard]] Search begin(int root) const;

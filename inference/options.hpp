@@ -97,7 +97,7 @@ struct Options {
 
     // Saving many draws repeatedly takes time and memory. With the following callbacks, blocks of
     // `part` draws of a chain are saved once, separately, and the checkpoints passed to `save` omit
-    // these draws. A part must be kept until a checkpoint has been saved whose first part is later
+    // these draws. Keep a part until a checkpoint with a later first part has been saved
     // (inference::parts_of).
     /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
     /// again later.

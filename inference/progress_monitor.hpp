@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// Calls the caller's progress function from one thread at a time, and passes its request to stop
-/// to all threads.
+/// Calls the caller's progress function from one thread at a time, and passes the caller's
+/// request to stop to all threads.
 class ProgressMonitor {
  public:
   ProgressMonitor(const Options& options, int models)

@@ -128,8 +128,8 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
                   "cannot be created: check that its directory exists and may be written to");
   if (error != 0) fail_to_write(path_, error);
   if (reserve == 0) return;
-  // Writing reports other errors later: the file system lacks this operation, or file sizes are
-  // limited.
+  // Other errors are ignored: the file system lacks this operation, or file sizes are limited. A
+  // later write then reports the error.
   error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));
   if (error == ENOSPC || error == EDQUOT) {
     ::unlink(temporary_.c_str());

@@ -26,7 +26,7 @@ struct Function {
 /// Holds the GIL during each call only.
 class PythonLikelihood : public inference::Likelihood {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive this object.
   PythonLikelihood(const inference::ModelSpace& space, const std::vector<Function>& functions)
       : space_(space), functions_(functions) {}
 

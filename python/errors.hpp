@@ -13,7 +13,7 @@ namespace wheeltap::python {
 namespace py = pybind11;
 
 /// Defines CaseError (a ValueError, for an invalid case or data) and FileError (an OSError, for a
-/// file that cannot be read or written), and translates Failure to them by its exit code.
+/// file that cannot be read or written). The exit code of a Failure determines its exception.
 void bind_errors(py::module_& module);
 
 /// Calls work() and converts its exceptions to Failure, except Python errors and

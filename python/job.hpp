@@ -37,7 +37,7 @@ class Job {
 
  private:
   friend void watched(const py::object&, const std::function<void(Job&)>&);
-  /// Waits until the job has ended (true) or the timeout.
+  /// Waits at most `time` for the end of the job; returns true if it has ended.
   bool ended_within(std::chrono::milliseconds time);
   [[nodiscard]] std::optional<Progress> news();
 
@@ -48,10 +48,10 @@ class Job {
   std::optional<Progress> news_;
 };
 
-/// Calls work(job) on a thread without the GIL and waits for it. Meanwhile this thread runs
+/// Calls work(job) on a thread without the GIL and waits for its end. Meanwhile this thread runs
 /// Python's signal handlers and calls `progress`, unless it is None, with each Progress. If
-/// `progress` returns False, the job stops. An exception in either also stops the job and is
-/// rethrown after its end, instead of the job's exception. Requires the GIL.
+/// `progress` returns False, the job stops. An exception in a handler or in `progress` also stops
+/// the job and is rethrown after its end, instead of the job's exception. Requires the GIL.
 void watched(const py::object& progress, const std::function<void(Job&)>& work);
 
 }  // namespace wheeltap::python

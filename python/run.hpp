@@ -15,7 +15,7 @@ struct Run {
   std::vector<std::string> lines = {};  ///< notes and warnings issued during the run
 };
 
-/// Passes progress to a job and stops when the job is stopped.
+/// Passes the progress of a run to a job, and stops the run when the job is stopped.
 class JobWatch : public apps::RunWatch {
  public:
   explicit JobWatch(Job& job) : job_(job) {}

@@ -58,10 +58,10 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
     if (f.y.size() != first->y.size() || f.even != first->even || f.first != first->first ||
         f.step != first->step || f.x != first->x)
       refuse("the frequency responses of " + io::dof_in_words(f.response) + " and " +
-             io::dof_in_words(first->response) + " have unlike lines");
+             io::dof_in_words(first->response) + " have different spectral lines");
     if (!found.emplace(which, &f).second)
       refuse("two frequency responses of " + io::dof_in_words(f.response) + " to " +
-             io::dof_in_words(f.reference) + ": leave one out");
+             io::dof_in_words(f.reference) + ": delete one of them");
   }
   if (first == nullptr) refuse("holds no frequency response (dataset 58 of function type 4)");
   for (std::size_t o = 0; o < outputs.size(); ++o)
@@ -89,8 +89,8 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   }
   if (any && !all)
     refuse(
-        "the units of some outputs are known and those of others are not: mode shapes "
-        "cannot compare these outputs");
+        "the units of some outputs are known and those of others are not: their "
+        "entries in a mode shape cannot be compared");
   for (const auto& [which, f] : found) {
     const Conversion conversion = numerator_conversion(*f);
     for (Index k = 0; k < lines; ++k)

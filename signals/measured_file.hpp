@@ -61,7 +61,7 @@ struct MeasuredFile {
   std::optional<io::UniversalFile> universal = {};
 };
 
-/// Options for reading a file. Options that are empty are detected.
+/// Options for reading a file. If an option is empty, its value is detected.
 struct MeasuredReading {
   std::optional<double> sample_rate_hz = {};  ///< sampling rate of a file that does not state its
                                               ///< rate [Hz]

@@ -223,8 +223,8 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
     uneven = off > kMostJitter * mean + printed;
     if (off > kEven * mean + printed) out.jitter = std::max(out.jitter, (off - printed) / mean);
   }
-  // If a time step is as small as the printed resolution, rounding could explain the difference of
-  // a missing row. Rounding cannot explain a difference in only one of hundreds of steps.
+  // If a time step is as small as the printed resolution, rounding could explain the difference that
+  // a missing row causes. Rounding cannot explain a difference in only one of hundreds of steps.
   const auto odd = std::count_if(sorted.begin(), sorted.end(), [&](double step) {
     return std::abs(step - median) > 0.5 * median;
   });
@@ -253,9 +253,9 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
                               : steps / (all * seconds);
       fail(record, whole,
            "several consecutive rows have the same time" +
-               (stated ? ", and " + show(*stated) + " Hz do not fit their number"
+               (stated ? ", and their number does not fit " + show(*stated) + " Hz"
                        : ": state \"sample_rate\" (about " + show(rate) + ")") +
-               (rises ? "" : "; it also goes backwards"));
+               (rises ? "" : "; time also goes backwards"));
     }
     // A gap changes the mean step, but not the median step. The message names the step farthest
     // from the median.
@@ -321,7 +321,7 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
   for (std::size_t n = 1; n < t.size(); ++n) {
     steps[n - 1] = t[n] - t[n - 1];
     if (!(steps[n - 1] > 0.0))
-      fail(record, record.place(n, time_column), "time does not increase: leave the row out");
+      fail(record, record.place(n, time_column), "time does not increase: delete the row");
   }
   std::vector<double> sorted = steps;
   std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
@@ -330,7 +330,7 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
     if (steps[n - 1] > kLongestGap * median)
       fail(record, record.place(n, time_column),
            "a gap of " + show(steps[n - 1] / median) +
-               " steps is too long to interpolate: take a part of the file without it");
+               " steps is too long to interpolate: use a part of the file without this gap");
   Sampling ignored;
   const double seconds = scale ? *scale : seconds_in_one(record, time_column, median, ignored);
   const double begin = t.front();

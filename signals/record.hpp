@@ -16,8 +16,8 @@ struct Record : io::Columns {
   [[nodiscard]] int samples() const { return rows(); }
   /// Returns the index of the time column, or -1 if the record has no time column. A time column
   /// has one of these names: "time", "t", a name that begins with "time", the word for time in
-  /// another language, or the name that a logger uses. If no column has such a name, the time
-  /// column is the first column of time stamps. A column of strings is never the time column.
+  /// another language, or a name that a logger uses. If no column has such a name, the time column
+  /// is the first column of time stamps. A column of strings is never the time column.
   [[nodiscard]] int find_time() const;
 };
 
@@ -55,7 +55,7 @@ struct Sampling {
   double rate_hz = 0.0;
   Basis basis = Basis::stated;
   std::string unit = {};  ///< unit of the column's numbers
-  /// Largest relative difference between a time step and the mean time step, beyond the difference
+  /// Largest relative difference between a time step and the mean time step, minus the difference
   /// that the rounding of the printed times explains. 0 if the difference is below 0.1 %.
   double jitter = 0.0;
   /// True if the time column has no unit and the times are whole numbers in steps of two or more.

@@ -58,10 +58,10 @@ struct Conversion {
 /// dimension are converted; otherwise units of any dimension.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// Returns the unit of a column: the unit in brackets or in the line of units. Without these, the
-/// unit is a known unit at the end of the column's name. The unit follows " / ", ", ", " in ", " -
-/// " or ": " ("Kraft / N", "force, N", "a in m/s²"), is in {} or <>, or is a quotient as the last
-/// word ("a m/s^2"). The result is empty if the column has no unit.
+/// Returns the unit of a column: the unit in brackets or in the line of units. Without such a unit,
+/// the result is a known unit at the end of the column's name. The unit follows " / ", ", ", " in
+/// ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), is in {} or <>, or is a quotient as the
+/// last word ("a m/s^2"). The result is empty if the column has no unit.
 [[nodiscard]] std::string unit_of(const io::Column& column);
 
 /// Returns a possible unit in a column's name that `unit_of` does not recognise: "acc_g",

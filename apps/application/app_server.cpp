@@ -142,7 +142,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// Returns false, and fills in the answer, if the server rejects the request for any resource.
+  /// Checks common to all resources. If a check fails, fills in the answer and returns false.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -152,7 +152,7 @@ class Application {
     response.set_header("Cache-Control", "no-store");
     try {
       if (request.method != "GET" && request.method != "POST")
-        throw Refused{405, "only GET and POST are known"};
+        throw Refused{405, "only the methods GET and POST are allowed"};
       if (request.target.size() > kLongestTarget) throw Refused{414, "the address is too long"};
       // Reject other host names of this address: a page of another site could use them.
       if (!is_own_host(request.get_header_value("Host")))
@@ -217,8 +217,8 @@ class Application {
 
   [[nodiscard]] fs::path place(const std::string& name) const {
     if (auto path = folder_.place(name)) return *path;
-    throw Refused{
-        403, io::printable(name) + ": is not a name of a file below the folder of the application"};
+    throw Refused{403,
+                  io::printable(name) + ": names no file inside the folder of the application"};
   }
 
   // ------------------------------------------------------------------ GET
@@ -237,7 +237,7 @@ class Application {
   /// Sends a report as a page that has no access to anything else.
   void get_report(const std::string& name, Response& response) const {
     const fs::path path = place(name);
-    if (path.extension() != ".html") throw Refused{403, "only reports are served here"};
+    if (path.extension() != ".html") throw Refused{403, "this address serves reports only"};
     response.set_content(io::read_bytes(path, kLargestResult), "text/html; charset=utf-8");
     response.headers.erase("Content-Security-Policy");
     response.set_header("Content-Security-Policy", kReportPolicy);
@@ -267,7 +267,7 @@ class Application {
     return out;
   }
 
-  /// A positive number; none without this parameter.
+  /// A positive number; empty without this parameter.
   static std::optional<double> positive(const Request& request, const char* name) {
     if (!request.has_param(name)) return {};
     const std::string text = request.get_param_value(name);
@@ -317,7 +317,7 @@ class Application {
     const std::string file =
         request.has_param("file") ? parameter(request, "file") : "summary.json";
     if (file != "summary.json" && file != "poles.json" && file != "modes.json")
-      throw Refused{403, "only summary.json, poles.json and modes.json are served here"};
+      throw Refused{403, "this address serves summary.json, poles.json and modes.json only"};
     const fs::path path = place(parameter(request, "name") + "/" + file);
     response.set_content(io::read_bytes(path, kLargestResult), kJson);
   }
@@ -338,7 +338,7 @@ class Application {
       const auto [end, error] =
           std::from_chars(channels.data() + at, channels.data() + comma, channel);
       if (error != std::errc() || end != channels.data() + comma)
-        throw Refused{400, "channels: must be whole numbers with commas between them"};
+        throw Refused{400, "channels: must be whole numbers separated by commas"};
       window.channels.push_back(channel);
       at = comma + 1;
     }
@@ -456,7 +456,7 @@ class Application {
     const std::string to = asked.at("to").get<std::string>();
     const fs::path from = case_place(asked.at("name").get<std::string>()), path = case_place(to);
     if (from.parent_path() != path.parent_path())
-      throw Refused{400, "a copy must be in the folder of its case, beside the files it names"};
+      throw Refused{400, "a copy must be in the same folder as the original case"};
     const std::string text = io::read_bytes(from, kLargestBody);
     const std::lock_guard lock(saving_);
     if (fs::exists(path)) throw Refused{409, io::printable(to) + ": exists already"};
@@ -476,9 +476,8 @@ class Application {
     const std::lock_guard lock(saving_);
     if (fs::exists(path)) {
       if (io::read_bytes(path, kLargestBody) != text)
-        throw Refused{409,
-                      io::printable(file) +
-                          ": another file of this name is beside the case: rename the drawing"};
+        throw Refused{409, io::printable(file) +
+                               ": another file in this folder has this name: rename the drawing"};
     } else {
       write_text(path, text);
     }

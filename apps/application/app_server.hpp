@@ -24,8 +24,8 @@ struct AppProgram {
   std::vector<std::string> sampled = {};
   /// Returns the name of the command that runs a case with this text; empty if no command runs it.
   std::function<std::string(const std::string& text)> command = {};
-  /// Checks the text of a case at a path as its command does before a run. `allowed` returns true
-  /// for input files that the case may name. Returns the first fault.
+  /// Checks `text` as the case at `path`, as the command of the case does before a run. `allowed`
+  /// returns true for input files that the case may name. Returns the first fault.
   std::function<std::optional<CasePlace>(
       const std::filesystem::path& path, const std::string& text,
       const std::function<bool(const std::filesystem::path&)>& allowed)>

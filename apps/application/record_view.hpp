@@ -14,7 +14,7 @@
 
 namespace wheeltap::apps {
 
-/// The last files that were opened, by path, size and time of their last change.
+/// The most recently opened files, identified by path, size and time of the last change.
 class OpenRecords {
  public:
   /// Reads the file unless it is still in memory. The channels are not checked. Throws
@@ -45,18 +45,18 @@ class OpenRecords {
 struct RecordWindow {
   std::size_t table = 0;
   std::vector<std::size_t> channels = {};
-  long begin = 0, end = 0;                    ///< rows [begin, end), cut to the table
+  long begin = 0, end = 0;                    ///< rows [begin, end), limited to the rows of the table
   long points = 1000;                         ///< largest number of points, or of intervals
   std::optional<double> sample_rate_hz = {};  ///< for a table whose sampling rate is unknown [Hz]
 };
 
 /// Returns {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided
-/// into intervals of `step` rows. `low` and `high` are the extremes of each interval; null if no
-/// value is finite. If `exact` is true, an interval is one row, and `high` is omitted. Throws
+/// into intervals of `step` rows. `low` and `high` are the extremes of each interval, or null if no
+/// value in it is finite. If `exact` is true, an interval is one row, and `high` is omitted. Throws
 /// std::invalid_argument for a table, a channel or a window that does not exist.
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
-/// Returns {frequencies_hz, density: […]} of one channel: at most `points` spectral lines, the
+/// Returns {frequencies_hz, density: […]} of one channel, with at most `points` spectral lines: the
 /// highest line of each interval. The lists are empty if neither the file nor the window states the
 /// sampling rate. Throws std::invalid_argument as record_window does.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);

@@ -35,7 +35,7 @@ class RunQueue {
   RunQueue(int at_once, int threads);
   RunQueue(const RunQueue&) = delete;
   RunQueue& operator=(const RunQueue&) = delete;
-  /// Stops all runs; they write their results so far. Kills runs that do not end within 10 s.
+  /// Stops all runs; each run writes its results so far. Kills runs that do not end within 10 s.
   ~RunQueue();
 
   /// Returns the number of the run; empty if the queue is full or a run with the same output folder

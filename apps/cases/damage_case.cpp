@@ -315,7 +315,7 @@ std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const Case
 }
 
 void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
-  // The modes of each model are searched separately before sampling.
+  // The limit is necessary because modes are searched in each model separately before sampling.
   constexpr double kMostModels = 5000;
   const std::vector<DefectKind>& kinds = parsed.damage.kinds;
   double models = 1.0;
@@ -362,9 +362,9 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   }
   for (const DefectKind& kind : out.kinds)
     if (kind.severity_prior() == nullptr)
-      f.refuse(
-          damage_key("/predictor"),
-          "a " + kind.name + " of known severity: an external model needs a prior on the severity");
+      f.refuse(damage_key("/predictor"),
+               "a " + kind.name +
+                   " has a known severity: an external model needs a prior on the severity");
   parsed.outside = parse_outside(f, outside_inputs(out));
   if (!f.json["predictor"].contains("emulator")) return;
   const Pointer front("/predictor/emulator");
@@ -482,7 +482,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   if (needs == Needs::data) {
     if (json.contains("plan") && !json.contains("data"))
       f.refuse(Pointer("/data"),
-               "is missing: the case plans a test: run wheeltap plan, or add the measured modes");
+               "is missing: this case plans a test. Run wheeltap plan, or add the measured modes");
     for (const char* key : {"damage", "data"}) {
       if (!json.contains(key))
         f.refuse(Pointer() / std::string(key), "is missing: must be an object");

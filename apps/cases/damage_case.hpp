@@ -25,7 +25,7 @@ struct DamageCaseFile {
 
 /// The part of the case's data that a command needs.
 enum class Needs {
-  structure,  ///< the structure only (`modes`; `table` without data)
+  structure,  ///< the structure only (commands `modes`, and `table` without data)
   data        ///< frequencies, or a truth from which they are simulated
 };
 

@@ -151,7 +151,7 @@ void take_data(const CaseFile& f, DamageCase& out) {
              "an emulator predicts frequencies, not shapes: use \"fe\" here");
   AnyStructure solved;
   try {
-    out.measured.set_modal(ModalData{});  // non-empty modes: the model is solved as a structure
+    out.measured.set_modal(ModalData{});  // if modes are set, the model is solved as a structure
     solved = out.solved_structure();
   } catch (const std::invalid_argument& error) {
     f.refuse(data_key(out.structure ? "/structure" : "/beam"), error.what());

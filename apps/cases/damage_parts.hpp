@@ -15,8 +15,8 @@ namespace wheeltap::apps {
                                              double lower, double upper,
                                              const std::string& allowed);
 
-/// Parses the weights of the counts min … max at `where` ("count") and normalises them to the sum
-/// 1. Throws Failure.
+/// Parses the weights of the counts min … max at `where` ("count"). Normalises the weights to a
+/// sum of 1. Throws Failure.
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 
@@ -33,8 +33,8 @@ void parse_extent(const CaseFile& file, const Pointer& where, double most,
 [[nodiscard]] double true_extent(const CaseFile& file, const Pointer& where,
                                  const identification::DefectKind& kind);
 
-/// The crack law (crack depth to spring stiffness) that the crack at `where` names, or the default
-/// crack law. Throws Failure for an unknown name.
+/// The law from crack depth to spring stiffness that the crack at `where` names, or the default
+/// law. Throws Failure for an unknown name.
 [[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 
 /// Parses the kinds of defect of a structure, with their possible sites. Throws Failure.

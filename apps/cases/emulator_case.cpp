@@ -117,12 +117,12 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   using Joined = emulator::InterpolantType::Runs;
   if (grid && spec.interpolant->runs != Joined::grid) {
     file.refuse(where / "interpolation",
-                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
+                "needs scattered runs (\"design\", \"runs_csv\"); a grid of sites allows " +
                     interpolant_names(Joined::grid));
   }
   if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
-    file.refuse(where / "interpolation",
-                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
+    file.refuse(where / "interpolation", "needs a grid of sites; a scattered design allows " +
+                                             interpolant_names(Joined::scattered));
   }
   if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
   if (p.contains("accuracy")) {
@@ -142,7 +142,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     const inference::Prior& prior = *out.kinds[0].severity_prior();
     if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
       file.refuse(where / "multipliers",
-                  "is missing: the prior of the reduction has no upper limit of at most 0.999");
+                  "is missing: it is required if the prior of the reduction reaches above 0.999");
     }
   }
   spec.compliance = p.value("coordinate", std::string()) == "compliance";

@@ -70,7 +70,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       if (foreign && out.channels[*foreign].conversion.unit != c.unit)
         file.refuse(out.places[i] / "scale",
                     "is missing: the channel is in " + c.unit + ", and " +
-                        out.channels[*foreign].column + " in " +
+                        out.channels[*foreign].column + " is in " +
                         out.channels[*foreign].conversion.unit +
                         ". Give \"scale\" and \"quantity\" to both channels, or \"role\": "
                         "\"ignore\" to one");
@@ -84,8 +84,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (foreign && !known.empty())
     file.refuse(out.places[*foreign] / "scale",
                 "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-                    ", an unknown unit, and " + known.front() +
-                    " in a known unit. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
+                    ", an unknown unit, but the unit of " + known.front() +
+                    " is known. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
@@ -98,7 +98,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity follows from the case; otherwise from the unit, otherwise from other channels.
+  // The quantity follows from the case, or else from the unit, or else from other channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -132,8 +132,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
         ", as for the other channels. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
     file.refuse(out.where / "channels",
-                "measure different quantities, but the method \"bayoma\" needs one: give the "
-                "others the role \"ignore\", or use the method \"ssi-cov\"");
+                "measure different quantities, but the method \"bayoma\" needs one quantity: "
+                "give other channels the role \"ignore\", or use the method \"ssi-cov\"");
 }
 
 Channels parse_channels(const CaseFile& file, SetUp& out) {
@@ -240,7 +240,7 @@ void read_responses(const CaseFile& file, SetUp& out) {
     if (measured.transposed)
       out.oddities.push_back(
           "There are more references than responses: by reciprocity, Wheeltap exchanges references "
-          "and responses, and the mode shapes are the motions of the references.");
+          "and responses, and the mode shapes are those at the references.");
     out.responses = std::move(measured.responses);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
@@ -282,10 +282,10 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
         file.refuse(where / key,
-                    "is for records only: without channels Wheeltap uses the FRFs of the file");
+                    "needs a record: without channels, Wheeltap uses the FRFs of the file");
     if (file.json.contains("segment"))
       file.refuse(Pointer("/segment"),
-                  "is for records only: the file contains frequency response functions");
+                  "needs a record: the file contains frequency response functions");
     read_responses(file, out);
     return out;
   }

@@ -51,8 +51,8 @@ struct IdentifiedModes {
   std::optional<signals::MergedModes> merged = {};
 };
 
-/// Validates and parses a case and reads its records. The file `given`, if any, replaces the file
-/// of a single record. Throws Failure.
+/// Validates and parses a case and reads its records. If `given` is set, this record replaces the
+/// record that the case names. Throws Failure.
 [[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
                                              std::optional<signals::Record> given = {});
 

@@ -73,7 +73,7 @@ class ModalDataParser {
         file_.refuse(where_ / "discrepancy" / "mixing", "is relative to \"cov\", which is missing");
       if (!out_.mixing.none() && !out_.stiffness_discrepancy.none())
         file_.refuse(where_ / "discrepancy" / "mixing",
-                     "is not allowed with \"stiffness\", which mixes modes itself");
+                     "is not allowed with \"stiffness\", whose errors already mix the modes");
     }
     if (has("doubt")) out_.doubt = json_.at("doubt").get<double>();
     if (has("predict")) {
@@ -216,7 +216,7 @@ class ModalDataParser {
       if (f < before)
         file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
                      simulated_value(f) +
-                         "without shapes frequencies must increase, beginning with the lowest "
+                         "without shapes, frequencies must increase, beginning with the lowest "
                          "elastic mode; write null for a mode not measured" +
                          increasing(out_.frequencies_hz));
       before = f;
@@ -343,7 +343,7 @@ class ModalDataParser {
     if (places != 1)
       file_.refuse(at, "must have one of \"node\", \"member\", \"mass\" and \"dof\"");
     if (s.contains("at") != s.contains("member"))
-      file_.refuse(at, "\"member\" and \"at\" need each other");
+      file_.refuse(at, "\"member\" and \"at\" must be given together");
     const bool chain = std::holds_alternative<fem::LumpedChain>(structure_);
     const bool matrices = std::holds_alternative<fem::MatrixStructure>(structure_);
     if (s.contains("mass")) {
@@ -509,7 +509,7 @@ class ModalDataParser {
     const auto sensors = static_cast<Index>(out_.sensors.size());
     const auto modes = static_cast<std::size_t>(out_.shapes.rows());
     if (has("shape_sd") && has("shape_covariance"))
-      file_.refuse(where_ / "shape_covariance", "give either this or \"shape_sd\"");
+      file_.refuse(where_ / "shape_covariance", "give either this key or \"shape_sd\"");
     const Pointer at = where_ / "shape_sd";
     if (has("shape_sd") && json_["shape_sd"].is_object()) {
       out_.shape_sd_prior = bounded_prior(file_, at, 0.0, kInfinity, "an sd is > 0");

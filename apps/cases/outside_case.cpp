@@ -23,8 +23,8 @@ std::vector<std::string> words_of(const Json& command) {
   return words;
 }
 
-/// Records the program and the files that its command names with a folder as input files, because
-/// results depend on them. A program in PATH belongs to the system and is not recorded.
+/// Records the program, and each file whose name in the command contains a folder, as input files,
+/// because results depend on them. A program in PATH belongs to the system and is not recorded.
 void record_program(const CaseFile& file, CommandSpec& spec) {
   constexpr std::string_view kCase = "{case}";
   for (const std::string& word : spec.words) {

@@ -388,7 +388,7 @@ class Parser {
   void parse_discovery(const Pointer& where) {
     if (out_.models.size() != 1) {
       file_.refuse(Pointer("/models"),
-                   "must be one model: \"discover\" adds all subsets of its terms to it");
+                   "must be one model, to which \"discover\" adds all subsets of its terms");
     }
     const auto links = parse_discovered_links(where / "links", out_.models.front().chain);
     const std::size_t terms = json_.at(where / "terms").size();

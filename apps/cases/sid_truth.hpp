@@ -5,8 +5,8 @@
 
 namespace wheeltap::apps {
 
-/// True if the record is simulated and the truth moves the base. The next function is true if, in
-/// addition, the truth gives a displacement of the base.
+/// True if the record is simulated and the base moves in the truth. The next function is true if,
+/// in addition, the truth gives the displacement of the base.
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 

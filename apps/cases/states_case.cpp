@@ -50,8 +50,8 @@ void inherit(Json& state, const Json& block) {
       {{"frequencies", "file", "from", "repeats"},
        {"cov", "sd", "covariance", "repeats"},
        {"shape_sd", "shape_covariance", "shape_sd", "shape_sd"}}};
-  // Keys that select from another key's file. A state with frequencies of another origin has no use
-  // for them.
+  // Keys that select from the file of another key. They do not apply to a state with frequencies of
+  // another origin.
   static constexpr std::array<std::array<const char*, 2>, 4> selections = {
       {{"columns", "file"}, {"row", "file"}, {"modes", "from"}, {"model_modes", "from"}}};
   const auto has_other_origin = [&](const char* origin) {
@@ -344,7 +344,7 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   if (out.emulator)
     file.refuse(Pointer("/predictor"),
                 "an emulator supports one beam with known coefficients: with unknown coefficients "
-                "or states use \"fe\"");
+                "or states, use \"fe\"");
   ObservedStates states = parse_states(file, std::move(model), true, simulated);
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });

@@ -5,7 +5,7 @@
 
 namespace wheeltap::apps {
 
-/// Limits libraries that choose their vector instructions themselves to `instructions` ("baseline",
+/// Limits the vector instructions that libraries choose at start to `instructions` ("baseline",
 /// "avx2" or "avx512"). These libraries read environment variables when the program starts. The
 /// program therefore sets the variables and restarts itself with the same arguments. The function
 /// returns only if the variables are already set or if the restart fails.

@@ -54,9 +54,10 @@ std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text,
       std::error_code error;
       const fs::path named = file.place_of(name);
       if (!name.empty() && fs::is_regular_file(named, error) && !allowed(named))
-        file.refuse(where,
-                    "is a file outside the folder of the application: copy it there, or "
-                    "start wheeltap app with a folder that holds both");
+        file.refuse(
+            where,
+            "is a file outside the folder of the application: copy the file into this folder, or "
+            "start wheeltap app with a folder that contains both");
     });
     parse_as_command(std::move(file));
     return {};

@@ -127,7 +127,7 @@ class Batch {
     if (base::ranks() != nullptr) section_ = kCasesAThread * base::ranks()->size() * threads_;
   }
 
-  /// Other ranks send their rows at the end of each section. Finally, the table is on the disk.
+  /// Other ranks send their rows at the end of each section. Finally writes the table to the disk.
   void run() {
     for (int first = 0; first < all() && !stopped_; first += section_) {
       const int n = std::min(section_, all() - first);
@@ -268,8 +268,9 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   const auto& rows = batch.rows();
   const std::string all = std::to_string(rows.size());
   if (batch.done() < rows.size()) {
-    throw Failure(Exit::interrupted, "stopped after " + std::to_string(batch.done()) + " of " +
-                                         all + " cases; the same command with --resume continues");
+    throw Failure(Exit::interrupted,
+                  "stopped after " + std::to_string(batch.done()) + " of " + all +
+                      " cases; the same command with --resume continues the batch");
   }
   if (common.as_json) common.as_json(batch_json(rows));
   std::cout << "Results: " << io::printable((common.output / kBatchTable).string())
@@ -280,7 +281,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   throw Failure(static_cast<Exit>((*first)->exit),
                 std::to_string(std::ranges::count_if(rows, failed)) + " of " + all +
                     " cases failed, the first of them " + (*first)->name + " (exit code " +
-                    std::to_string((*first)->exit) + "); --resume runs those again");
+                    std::to_string((*first)->exit) + "); --resume runs the failed cases again");
 }
 
 Command batch_command() {

@@ -42,7 +42,7 @@ double number_at(const Report& object, const char* key) {
 }
 
 /// The measured data of a case, without assumptions (noise parameters, places of sensors in the
-/// model). The content that the run read identifies a file, not the name of the file.
+/// model). A file is identified by the content that the run read, not by its name.
 class Measured {
  public:
   explicit Measured(const std::string& run, const Report& about)
@@ -94,7 +94,7 @@ Report measured_of(const std::string& name, const Report& summary) {
       (given.contains("truth") && given.contains("record") && !given["record"].contains("file"));
   if (own_data)
     refuse(name,
-           "the data of this run were simulated by its own model: write the data to a file first "
+           "the data of this run were simulated from its case: write the data to a file first "
            "(wheeltap simulate)");
   const Measured measured(name, summary["wheeltap"]);
   Report out = Report::object();
@@ -145,8 +145,8 @@ Compared read_run(const std::filesystem::path& folder) {
   }
 }
 
-/// Weights normalised to the sum 1; equal weights if none are given. Only their ratios matter,
-/// because their sum may overflow.
+/// Weights normalised to the sum 1; equal weights if none are given. The function uses only ratios
+/// of weights, because the sum of the weights may overflow.
 std::vector<double> shares(std::vector<double> weights, std::size_t count) {
   if (weights.empty()) weights.assign(count, 1.0);
   const double largest = *std::ranges::max_element(weights);
@@ -183,7 +183,8 @@ void print_comparison(const std::vector<Compared>& runs) {
     std::cout << "  " << std::left << std::setw(static_cast<int>(widest)) << io::printable(run.name)
               << "  P = " << percent(run.probability, run.probability_error)
               << "  ln Z = " << with_error(run.log_evidence, run.error);
-    if (!run.model.empty()) std::cout << "  (most of it: " << io::printable(run.model) << ')';
+    if (!run.model.empty())
+      std::cout << "  (most probable model: " << io::printable(run.model) << ')';
     if (!run.fits) std::cout << "  does not fit";
     if (!run.converged) std::cout << "  NOT CONVERGED";
     std::cout << '\n';

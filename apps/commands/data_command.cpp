@@ -57,7 +57,7 @@ void print(const MeasuredFile& file) {
     if (table.sample_rate_hz)
       std::cout << " at " << significant(*table.sample_rate_hz, 6) << " Hz, "
                 << significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4)
-                << " s; content up to " << significant(0.5 * *table.sample_rate_hz, 6) << " Hz";
+                << " s; spectrum up to " << significant(0.5 * *table.sample_rate_hz, 6) << " Hz";
     else if (!table.is_time && !table.x.empty())
       std::cout << " over " << channel_with_unit(table.abscissa, table.abscissa_unit) << " from "
                 << significant(table.x.front(), 5) << " to " << significant(table.x.back(), 5);
@@ -268,8 +268,8 @@ Command data_command() {
             app.add_option("-o,--output", data->page, "HTML file for the plots of the record")
                 ->type_name("FILE.html");
             app.add_option("--to", data->to,
-                           "format of the converted file (csv, nc or uff), or its name with one of "
-                           "these extensions");
+                           "format of the converted file (csv, nc or uff), or a file name with "
+                           "one of these extensions");
             app.add_option("--sample-rate", data->reading.sample_rate_hz,
                            "sampling rate in Hz, if the file does not state it")
                 ->check(positive());

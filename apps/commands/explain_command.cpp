@@ -60,7 +60,7 @@ std::string explanation(const std::string& key) {
   const std::string meant = nearest(word, names);
   std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
   if (!mentions.empty())
-    instead += (meant.empty() ? ". " : " ") + std::string("These keys mention it: ") +
+    instead += (meant.empty() ? ". " : " ") + std::string("These keys mention the word: ") +
                listed({mentions.begin(), mentions.end()});
   throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
 }

@@ -163,8 +163,8 @@ Report ordered_schema(const std::string& kind) {
   return found;
 }
 
-/// Simulates the record that a starter case names. The truth replaces the file of a sid case.
-/// Otherwise it is a complete sid case, of which the record omits the forces.
+/// Simulates the record that a starter case names. For a sid case, the truth replaces the record's
+/// file. Otherwise the truth is a complete sid case, and the record omits the forces.
 std::string simulated(const std::string& kind, CaseFile file, Json truth) {
   const bool whole = truth.contains("kind");
   if (whole) {

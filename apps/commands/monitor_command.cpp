@@ -161,7 +161,7 @@ Command monitor_command() {
                          "also run the usual control charts over all rows, for comparison");
             app.add_flag("--follow", flags->follow,
                          "wait for new rows or files until interrupted; Wheeltap reads the "
-                         "last line only when its end is written");
+                         "last line only after its line break is written");
             app.add_option(
                    "--poll", flags->poll_seconds,
                    "time in seconds between two checks of the files with --follow (default 5)")

@@ -70,8 +70,8 @@ Command plan_command() {
                        "number of simulated tests for each of the best designs (default: 100000)")
                     ->check(whole(1000, 10'000'000));
                 app.add_option("--check", how->checks,
-                               "number of simulated tests that quick runs of the full engine "
-                               "analyse as a check (default: 10)")
+                               "number of simulated tests that Wheeltap also analyses by quick "
+                               "runs of the full engine, as a check (default: 10)")
                     ->check(whole(0, 10'000));
               },
           .run = [how](const Invocation& asked) { plan(asked.common, *how); }};

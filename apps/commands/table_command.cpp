@@ -91,9 +91,10 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
     parsed.file.refuse(predictor / "runs_csv", "are finished runs: there are no parts to compute");
   }
   if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
-    parsed.file.refuse(predictor / "accuracy",
-                       "chooses runs by the results of earlier runs, so they cannot be computed in "
-                       "parts: leave out \"accuracy\" or --part");
+    parsed.file.refuse(
+        predictor / "accuracy",
+        "chooses runs by the results of earlier runs, so the runs cannot be computed in "
+        "parts: leave out \"accuracy\" or --part");
   }
 }
 

@@ -9,10 +9,10 @@ namespace wheeltap::apps {
 /// unless the run failed. The file {in} contains the parameters: an object {"E": 2.1e11, …}, or
 /// plain numbers, one per line. The program must write one number per output to the file {out}. The
 /// file is a list, an object with such a list as "predictions", or plain numbers with blanks or
-/// line ends between them. In the words of the command, {case} is the folder of the case. A program
-/// with a / in its name is relative to this folder. No shell interprets the words. stdout.txt and
-/// stderr.txt in the directory contain the output of the program. A timeout kills the run with all
-/// processes that it started.
+/// line ends between them. In the words of the command, {case} is the folder of the case. The path
+/// of a program with a / in its name is relative to this folder. No shell interprets the words.
+/// stdout.txt and stderr.txt in the directory contain the output of the program. A timeout kills
+/// the run with all processes that it started.
 class CommandModel final : public identification::OutsideModel {
  public:
   CommandModel(CommandSpec spec, std::vector<std::string> names, int outputs);

@@ -130,7 +130,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const masses = model.masses.map((m, i) => `mass ${i + 1}: ${said(m, units.force === 'N' && units.length === 'm' ? 'kg' : inRun('N s^2/m'), found)}`);
     return [{
       id: 'chain', section: 'where', wide: true, title: `The chain of the most probable model, “${short(best.name, 60)}”`,
-      caption: `Masses and the laws of the links between them, named in the order of their symbols from left to right; inferred values are medians.${grounded ? ` 0 is the ${ground}.` : ''}`,
+      caption: `Masses, and links with their force laws. The label of a link names its laws in the order of the symbols from left to right. Inferred values are medians.${grounded ? ` 0 is the ${ground}.` : ''}`,
       table: () => ({ head: ['between', 'laws'], rows: links.map((l) => [l.name, l.laws.map((law) => law.words).join('; ')]) }),
       spec: (width, theme) => {
         // One row per mass, from the ground up. Links that pass a mass are beside the column; all text is
@@ -226,11 +226,11 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       if (still) return [];
       const units = link.units || {}, [force, length, rate] = [units.tension, units.extension, units.rate].map(bracketed);
       const names = data.length ? ['data', 'model'] : ['model'];
-      const thinned = link.rows.length < link.samples ? ` ${link.rows.length} of ${link.samples} samples.` : '';
+      const thinned = link.rows.length < link.samples ? ` The charts show ${link.rows.length} of ${link.samples} samples.` : '';
       // One lead for all charts of a link.
-      const lead = "Dots: samples of the motion of the most probable model's best draw" + (data.length
-        ? `, and of the data: mass times acceleration minus force, with ${link.differentiated ? 'accelerations from numerical derivatives of the measurements' : 'measured accelerations'} and the masses of that draw, over ${link.measured_extension ? 'measured displacements and velocities of the model' : 'displacements and velocities of the model'}.`
-        : '. The record has no accelerations that determine the force in this link, or they are too noisy.') + thinned;
+      const lead = "Dots of the model: samples of the motion of the best draw of the most probable model." + (data.length
+        ? ` Dots of the data: the tension is mass times acceleration minus force, with ${link.differentiated ? 'accelerations from numerical derivatives of the measurements' : 'measured accelerations'} and the masses of this draw. The extension and its rate come from ${link.measured_extension ? 'measured displacements and from velocities of the model' : 'displacements and velocities of the model'}.`
+        : ' The record has no accelerations that determine the tension of this link, or these accelerations are too noisy.') + thinned;
       const table = () => ({ head: [`extension${length}`, `rate${rate}`, `tension of the model${force}`, `tension of the data${force}`, `measured extension${length}`], rows: link.rows });
       const loop = (id, title, key, axis, caption) => ({
         id: `${id}-${slug(link.between)}`, section: 'where', group: link.between, lead, title, name: `${title} of link ${link.between}`, caption, table,
@@ -250,7 +250,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       const top = Math.max(...shown.map((r) => Math.abs(r.T)));
       const map = {
         id: 'restoring-force-' + slug(link.between), section: 'where', group: link.between, title: 'Restoring force', name: `Restoring force of link ${link.between}`,
-        caption: `Tension of the ${data.length ? 'data' : 'model'}, as colour: a spring changes it along the extension, a damper along the rate. Different colours of neighbours indicate a force with memory.`, table,
+        caption: `The colour is the tension of the ${data.length ? 'data' : 'model'}. The tension of a spring varies along the extension, the tension of a damper along the rate. Different colours of neighbouring dots indicate a force with memory.`, table,
         spec: (width, theme) => {
           const x = extent('e', shown), y = extent('v', shown), shades = 9;
           const of = (T) => Math.min(shades - 1, Math.floor((T / top + 1) / 2 * shades));

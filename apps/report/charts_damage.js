@@ -8,7 +8,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     return {
       id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
       title: several ? `Location of ${kind.plural}` : `Location of ${kind.plural} along the beam`,
-      caption: `Expected number of ${kind.plural} in each element, all counts together, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: truth of the simulated data.' : ''}`,
+      caption: `Expected number of ${kind.plural} in each element, averaged over all models, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: true locations in the simulated data.' : ''}`,
       table: () => ({ head: ['element', 'from [m]', 'to [m]', `expected ${kind.plural}`], rows: inclusion.map((p, e) => [e, e * step, (e + 1) * step, p]) }),
       spec: (width, theme) => frame(width, 182, theme, {
         data: [
@@ -72,7 +72,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     return {
       id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
       title: `Location of ${kind.plural}`,
-      caption: `The structure${of.dimension === 3 ? ' in an oblique view' : ''}; darker colours mean a larger expected number of ${kind.plural}, all counts together (at most ${top.toPrecision(2)} in one ${line.of === 'member' ? 'element' : line.of}).`,
+      caption: `The structure${of.dimension === 3 ? ' in an oblique view' : ''}; darker colours mean a larger expected number of ${kind.plural}, averaged over all models (at most ${top.toPrecision(2)} in one ${line.of === 'member' ? 'element' : line.of}).`,
       table: () => ({ head: [line.of, `expected ${kind.plural}`], rows: total }),
       spec: (width, theme) => {
         const height = Math.min(360, Math.max(140, size[0] > 0 ? width * size[1] / size[0] : 240));
@@ -114,7 +114,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
         out.push({
           id: `severity-and-location-${slug(kind.name)}-${view.count || 'all'}`, section: 'where', wide: true,
           title: `Severity and location, ${of}`,
-          caption: view.count ? '' : `Expected number of ${kind.plural} per metre and unit of ${joint.severity}. Separate regions are separate explanations of the same data, such as a place and its mirror image.`,
+          caption: view.count ? '' : `Expected number of ${kind.plural} per metre and unit of ${joint.severity}. Separate regions are different explanations of the same data, such as a location and its mirror image.`,
           table: () => cellTable('location [m]', joint.severity, joint.bins_x, joint.bins_y, view.cells),
           spec: (width, theme) => heat(width, width < 480 ? 190 : 230, theme, {
             x: joint.bins_x, y: joint.bins_y, cells: view.cells, root: true, xTitle: 'location [m]', yTitle: yName, yFormat: fraction ? '%' : undefined,
@@ -137,7 +137,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     const extent = 1.08 * Math.max(...values.flatMap((v) => [Math.abs(v.a), Math.abs(v.e)]));
     return [{
       id: 'frequency-residuals', section: 'fit', wide: true, title: 'Replicated minus measured frequencies',
-      caption: `Frequencies that the models predict for a measurement, with noise: thick 50 %, thin 95 %, stroke the median. ${bySd ? 'In standard deviations of the data' : 'Relative to the measured frequency'}; the line at zero is the measurement. If a bar misses it, the models do not explain that mode.`,
+      caption: `Bars: the frequencies that the models predict for a noisy measurement, minus the measured frequency (thick 50 %, thin 95 %, stroke the median). ${bySd ? 'The unit is the standard deviation of the data' : 'The differences are relative to the measured frequency'}. If a bar does not cross the line at zero, the models do not explain that mode.`,
       table: () => ({ head: ['mode', 'measured [Hz]', 'sd [Hz]', '2.5 % [Hz]', '25 % [Hz]', '50 % [Hz]', '75 % [Hz]', '97.5 % [Hz]'], rows: rows.map((r) => [r.mode, r.observed, r.sd, ...r.quantiles]) }),
       spec: (width, theme) => frame(width, 200, theme, {
         data: [{ name: 'r', values }],
@@ -161,7 +161,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     const positive = values.flatMap((v) => [v.rmse, v.noise]).filter((v) => v > 0);
     return [{
       id: 'emulator-error', section: 'emulator', wide: true, title: 'Error of the emulator for each mode, and noise of the data',
-      caption: 'Root-mean-square error on finite-element runs outside its training set. If points come near the short strokes (the noise), the emulator affects the answer.',
+      caption: 'Root-mean-square error on finite-element runs outside the training set of the emulator. If points are near the short strokes (the noise), the emulator error affects the results.',
       table: () => ({ head: ['damages', 'mode', 'rmse [Hz]', 'largest error [Hz]', 'Q²', 'rmse / effect', 'noise [Hz]'], rows: rows.map((r) => [r.n, r.mode, r.rmse, r.max_error, r.q2, r.relative_rmse, r.noise]) }),
       spec: (width, theme) => frame(width, 190, theme, {
         data: [{ name: 'e', values }, { name: 'noise', values: values.filter((v) => v.noise > 0 && v.n === values[0].n) }],

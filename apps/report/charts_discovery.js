@@ -40,7 +40,7 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
     return {
       id: `found-law-${at}-` + slug(key), section: 'where', group: key, title: resting ? 'Law at rest, all models together' : 'Resistance, all models together', name: `${resting ? 'Law' : 'Resistance'} of link ${key}, all models together`,
       caption: (resting ? 'Tension at rest: median and 95 % band over all models, weighted by their probabilities.' : 'Tension at zero extension: median and 95 % band over all models, without laws with memory (hysteresis).')
-        + (points.length ? ` Dots: the tension from the measured motion (force minus mass times acceleration); they scatter about the line by the part of the tension that depends on the ${resting ? 'rate' : 'extension'}.` : ''),
+        + (points.length ? ` Dots: the tension from the measured motion (force minus mass times acceleration). Their scatter about the line is the part of the tension that depends on the ${resting ? 'rate' : 'extension'}.` : ''),
       table: () => ({ head: [axis, `2.5 %${force}`, `50 %${force}`, `97.5 %${force}`], rows: values.map((v) => [v.x, v.a, v.m, v.b]) }),
       spec: (width, theme) => frame(width, 190, theme, {
         data: [{ name: 'd', values }, { name: 'p', values: points }],
@@ -61,7 +61,7 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
     const most = Math.max(...points.map((p) => Math.abs(p.t))), ends = (what) => [Math.min(...points.map((p) => p[what])), Math.max(...points.map((p) => p[what]))];
     return {
       id: 'force-map-' + slug(key), section: 'where', group: key, title: 'Restoring force', name: `Restoring force of link ${key} over its states`,
-      caption: 'Each dot is a sample of the record: extension and rate of the link, and as colour its tension, force minus mass times acceleration (Masri and Caughey 1979).',
+      caption: 'Each dot is a sample of the record, at the extension and rate of the link. The colour is the tension of the link: force minus mass times acceleration (Masri and Caughey 1979).',
       table: () => ({ head: [`extension${length}`, `rate${rate}`, `tension${force}`], rows: law.map }),
       spec: (width, theme) => frame(width, 220, theme, {
         data: [{ name: 'p', values: points }],

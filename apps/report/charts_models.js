@@ -9,7 +9,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const room = 14 + 7 * Math.max(...shown.map((m) => label(m).length));
     return {
       id: 'model-probabilities', section: 'models', wide: true, title: 'Probability of each model',
-      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${all.some((m) => m.basis === 'evidence') ? ' Values marked ᵉ, with bar and whisker, come from the evidence, not from draws.' : ''}${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
+      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${all.some((m) => m.basis === 'evidence') ? ' Values marked ᵉ, their bars and their whiskers come from the evidence, not from draws.' : ''}${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
       table: () => ({ head: keys, rows: all.map((m) => keys.map((k) => m[k])) }),
       spec: (width, theme) => frame(width, 34 * shown.length, theme, {
         data: [{ name: 'm', values: shown.map((m, i) => ({ ...m, i, label: label(m), low: Math.max(0, m.probability - 2 * (m.mcse || 0)), high: Math.min(1, m.probability + 2 * (m.mcse || 0)) })) }],
@@ -46,7 +46,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const all = ['chains', ...methods.map(([m]) => m)];
     return [{
       id: 'evidence', section: 'models', wide: true, title: 'Probabilities from independent evidences',
-      caption: 'The chains and methods that compute the evidence of each model separately; whiskers: twice the standard error. They should agree.',
+      caption: 'Probabilities from the chains, and from methods that compute the evidence of each model separately. Whiskers: twice the standard error. The results should agree.',
       table: () => ({ head: ['method', 'model', 'ln evidence', 'standard error', 'ln Bayes factor', 'probability', 'error of the probability', 'likelihood evaluations'],
         rows: methods.flatMap(([method, rows]) => rows.map((r) => [method, r.model, r.log_evidence, r.standard_error, r.log_bayes_factor, r.probability, r.probability_error, r.likelihood_evaluations])) }),
       spec: (width, theme) => frame(width, (14 * all.length + 12) * models.length, theme, {
@@ -100,7 +100,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
       }
     }
     if (factors.length) {
-      out.push(lines('sweep-bayes-factor', 'Logarithm of the Bayes factor', 'Above zero, the data favour the first model. Missing points: the chains did not visit a model and give only a bound of the factor.', 'ln B',
+      out.push(lines('sweep-bayes-factor', 'Logarithm of the Bayes factor', 'Above zero, the data favour the first model. A point is missing if the chains have no draws of one of the models and give only a bound of the factor.', 'ln B',
         factors, [...new Set(factors.map((f) => f.g))], [Math.min(0, ...factors.map((f) => f.low)), Math.max(0, ...factors.map((f) => f.high))], undefined,
         () => ({ head: [path, 'models', 'ln Bayes factor', 'low', 'high'], rows: factors.map((f) => [f.x, f.g, f.v, f.low, f.high]) })));
     }

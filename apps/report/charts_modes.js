@@ -13,7 +13,7 @@ const modeCharts = (({ frame, linear, axisY }) => {
     const measured = [...new Set(cells.map((c) => c.measured))], computed = [...new Set(cells.map((c) => c.computed))];
     return [{
       id: `${slug(set)}mac`, section: 'fit', title: `MAC of measured and computed shapes${named(set)}`,
-      caption: 'At the best draw, over the sensors of each shape; 1: same shape. Wheeltap matches each measured mode by shape and frequency together.',
+      caption: 'Modal assurance criterion (MAC) at the best draw, over the sensors of each shape; 1 means the same shape. Wheeltap matches measured and computed modes by shape and frequency together.',
       table: () => ({ head: ['measured mode', ...computed.map((c) => `computed ${c}`)], rows: measured.map((m) => [Number(m), ...computed.map((c) => cells.find((x) => x.measured === m && x.computed === c)?.value ?? null)]) }),
       spec: (width, theme) => frame(width, Math.max(120, 34 * measured.length), theme, {
         data: [{ name: 'c', values: cells }],

@@ -8,7 +8,7 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
     const along = frequencyScale(t.rows, (row) => row[1] * row[1]);
     return {
       id: `frequency-response-${slug(r.name)}-${slug(t.name)}`, section: 'fit', title: `Frequency response: ${r.name} to ${t.name}`,
-      caption: `H1 to the ${t.role}, of the data and of the prediction${r.noise_free ? ' without noise' : ''} (${t.segments} averages), over the coherence of the data.`,
+      caption: `H1 estimates with respect to the ${t.role}, of the data and of the prediction${r.noise_free ? ' without noise' : ''} (${t.segments} averages). Below: the coherence of the data.`,
       table: () => ({ head: ['frequency [Hz]', `|H1| data [${unit}]`, `|H1| model [${unit}]`, 'phase data [rad]', 'phase model [rad]', 'coherence'], rows: t.rows }),
       spec: (width, theme) => frame(width, 230, theme, {
         data: [{ name: 'h', values: ['data', 'predicted'].flatMap((who, k) => t.rows.filter((row) => row[k + 1] > 0).map((row) => ({ f: row[0], v: row[k + 1], who }))) },
@@ -104,7 +104,7 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
         },
         ...(r.transfer || []).filter((t) => t.rows.some((row) => row[1] > 0)).map((t) => transfer(r, t)),
         {
-          id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'White residuals lie outside the shaded band one time in twenty. Many values outside mean that the model lacks an effect and that its intervals are too narrow.',
+          id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'For white residuals, one value in twenty lies outside the shaded band. Many values outside the band mean that the model lacks an effect and that its intervals are too narrow.',
           table: () => ({ head: ['lag', 'autocorrelation'], rows: rho.map((v) => [v.lag, v.v]) }),
           spec: (width, theme) => frame(width, 170, theme, {
             data: [{ name: 'd', values: rho }],

@@ -17,7 +17,7 @@ namespace wheeltap::apps {
 /// - pairs: joint histograms of up to six parameters per model with P >= 0.5 %.
 /// - joint: location × severity per kind of defect, for all counts together and for each count.
 /// - predictive: quantiles of the replicated frequencies.
-/// - responses: per response channel: data and replicated band over time, spectra, frequency
+/// - responses: for each response channel, data and replicated band over time, spectra, frequency
 ///   response functions for the excitations, autocorrelation of the residuals.
 ///
 /// Prior densities follow from the case. The i-th of n exchangeable locations has the prior of the

@@ -101,12 +101,12 @@ class StoredDraws {
 /// Adds "parameters" (histogram, prior density and thinned history of each parameter of the models
 /// with P >= kCharted) and "pairs" (joint histograms) to `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
-/// Returns for each response channel of a record: data and predictions with and without noise over
-/// time, spectra, frequency response functions for the excitations, autocorrelation of the
-/// residuals.
+/// Returns these data for each response channel of a record: data and predictions with and without
+/// noise over time, spectra, frequency response functions for the excitations, autocorrelation of
+/// the residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
 /// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data. All are thinned evenly; empty if the run did not store them.
+/// from the data. All series are thinned evenly. The result is empty if the run did not store the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

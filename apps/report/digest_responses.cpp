@@ -41,7 +41,7 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
 }
 
 // Predictions of a response at each sample: replicates (with noise), and predictions without noise.
-// Older runs stored only replicates: the median of these replaces the missing prediction.
+// Older runs stored only replicates; their median replaces the missing prediction.
 struct Predicted {
   std::vector<double> low, high;            // 95 % band of replicates
   std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles may be empty

@@ -10,9 +10,9 @@ namespace wheeltap::apps {
 /// The motion of every figure: an amplitude of 0.01 m at 5 Hz, as in the examples.
 inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2, .points = 121};
 
-/// Returns an SVG document of the tension against the extension, and beside it against the rate if
-/// the tension depends on the rate and has no memory. The coefficients are the example values of
-/// the force law. The figure of a one-sided force law shows both sides.
+/// Returns an SVG document of the tension against the extension. If the tension depends on the rate
+/// and has no memory, a second plot shows the tension against the rate. The coefficients are the
+/// example values of the force law. The figure of a one-sided force law shows both sides.
 [[nodiscard]] std::string law_figure(const dynamics::LawInfo& info);
 
 /// Returns the file name of the figure, "law-coulomb.svg".

@@ -7,16 +7,16 @@
 
 namespace wheeltap::apps {
 
-/// Returns the modal assurance criterion between all modes, over the sensors common to both modes,
-/// as a table of shaded cells.
+/// Returns the modal assurance criterion of each pair of modes, over the sensors common to both
+/// modes, as a table of shaded cells.
 [[nodiscard]] std::string mac_figure(const ModesFile& modes);
 
-/// Returns the entries of each mode shape in the complex plane, rotated to minimise the imaginary
-/// parts: the entries of a real mode are on the horizontal axis.
+/// Returns figures of the entries of each mode shape in the complex plane. Each shape is rotated to
+/// minimise its imaginary parts, so the entries of a real mode are on the horizontal axis.
 [[nodiscard]] std::string complexity_figures(const ModesFile& modes);
 
-/// Returns the rotated entries of each mode shape as bars by channel, with 95 % intervals if there
-/// are covariances, and the key of channel numbers.
+/// Returns figures of the rotated entries of each mode shape as bars by channel, with 95 %
+/// intervals if there are covariances, and the key of channel numbers.
 [[nodiscard]] std::string bar_figures(const ModesFile& modes);
 
 }  // namespace wheeltap::apps

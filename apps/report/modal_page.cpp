@@ -234,7 +234,7 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   out += headed(level, orders ? "Stabilisation diagram" : "Spectrum") + diagram(set_up);
   out +=
       orders
-          ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
+          ? "<p>Each dot is a pole. Blue poles belong to a mode and have 95 % intervals; a ring "
             "marks the pole that represents the mode. Behind the poles: the mean spectrum of the "
             "channels, or the sum of the squared frequency response functions, in decibels.</p>\n"
           : "<p>The mean spectrum of the channels, or the first singular value of their "
@@ -304,8 +304,8 @@ std::string shapes(const ModesFile& modes) {
   if (modes.frequencies_hz.size() == 0) return {};
   std::string out = "<h2>Mode shapes by channel</h2>\n" + bar_figures(modes);
   out +=
-      "<p>Bars: shapes by channel, the largest entry 1, rotated in the complex plane for the "
-      "smallest imaginary parts";
+      "<p>Bars: shapes by channel, scaled to a largest entry of 1 and rotated in the complex plane "
+      "to the smallest imaginary parts";
   out += modes.shape_covariance.empty() ? ". Doubtful modes in red.</p>\n"
                                         : ", with 95 % intervals. Doubtful modes in red.</p>\n";
   out += "<h2>Modal assurance criterion</h2>\n" + mac_figure(modes);
@@ -315,7 +315,8 @@ std::string shapes(const ModesFile& modes) {
       "or that one mode was identified twice.</p>\n";
   out += "<h2>Complexity</h2>\n" + complexity_figures(modes);
   out +=
-      "<p>The entries of each shape in the complex plane. For a lightly damped mode they lie along "
+      "<p>The entries of each shape in the complex plane. For a lightly damped mode, the entries "
+      "lie on "
       "one line (MPC 1, MPD 0°). Other patterns indicate noise, two close modes identified as one, "
       "dampers, or channels that were not sampled simultaneously.</p>\n";
   return out;

@@ -26,7 +26,7 @@ struct SeriesTable {
 
 SeriesTable table_of(const io::Columns& series) {
   if (series.columns.size() < 8 || (series.columns.size() - 4) % 4 != 0)
-    throw std::invalid_argument("series.csv has other columns than a run writes");
+    throw std::invalid_argument("series.csv does not have the columns that a run writes");
   SeriesTable out;
   const auto at = [&](std::size_t i) { return series.columns[i].values; };
   out.time = at(0);
@@ -229,7 +229,8 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const Report& monitor = summary.at("monitor");
   std::string out =
       page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
-                {false_alarms_in_words(monitor) + " Wheeltap uses the higher threshold."});
+                {false_alarms_in_words(monitor) +
+                 " By default, Wheeltap uses the higher of the thresholds of model and replay."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";

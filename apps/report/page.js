@@ -162,7 +162,7 @@
     return { head: ['parameter', 'this run', 'longer records', 'a further window', 'windows scatter by', 'use'],
       rows: windowed.map(([name, r]) => [name + unit(name), interval(r), interval(r.between_windows.whole), interval(r.between_windows),
         { value: r.between_windows.scatter.times_own_interval, text: `${number(r.between_windows.scatter.times_own_interval, 2)} times` }, r.between_windows.use]),
-      caption: 'Intervals (95 %) of this run, with the residuals of its likelihood, and intervals from the windows of the record: for the value that ever longer records would give, and for that of a further window. Scatter: relative to the scatter that the windows’ own intervals allow' };
+      caption: '95 % intervals. This run: the posterior. Longer records: the value that the estimate approaches as the record length increases. A further window: the value that a further window would give. Scatter: standard deviation of the estimates between windows, divided by the posterior standard deviations within windows' };
   };
 
   // ---- sections ---------------------------------------------------------------------------
@@ -200,9 +200,9 @@
     element('h3', { class: 'apart' }, 'Each measured mode'), copyable({
       head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'largest shift without it', 'by [posterior sd]'],
       rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.spurious > 0.5 ? `none (P ${number(m.spurious, 3)})` : m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
-        of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and the change of the posterior without each mode' }),
+        of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and the change of the posterior if the data lack this mode' }),
     ...(predicted.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
-      rows: predicted.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, with noise' })] : [])];
+      rows: predicted.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Predicted frequency of the model, and 95 % band of a noisy measurement' })] : [])];
   }
   // Table of a damage run with states: every mode of each state.
   function statesTable() {
@@ -210,7 +210,7 @@
     if (!rows.length) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
-      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: in standard deviations of measurement and model error together' })];
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: the difference in standard deviations of measurement and model error together' })];
   }
   // Table of a damage run: the answer without each measured mode.
   function contributionsTable() {
@@ -223,7 +223,7 @@
       head: [...(states ? ['state'] : []), 'mode', ...(shaped ? ['MAC'] : []), 'information [nats]', `P(${best.name}) without it`],
       rows: rows.map((m) => [...(states ? [m.state ?? ''] : []), states ? m.mode_of_state : m.mode, ...(shaped ? [m.shape ? { value: m.shape.mac.q50, text: number(m.shape.mac.q50, 4) } : null] : []),
         said(m.without_it), m.without_it.reliable ? worded(m.without_it.probability, percent) : '–']),
-      caption: `Change of the posterior without the mode; with all modes, ${best.name} has ${percent(best.probability)}. –: too large for the draws to determine` })];
+      caption: `Change of the posterior without the mode; with all modes, the probability of ${best.name} is ${percent(best.probability)}. –: the draws cannot determine such a large change` })];
   }
   function baselineTable() {
     const rows = Object.entries(summary.baseline?.parameters || {});
@@ -231,7 +231,7 @@
     if (!rows.length && !error) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     const table = copyable({ head: ['parameter', 'prior', '2.5 %', '50 %', '97.5 %', 'contracted by'],
-      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: assumed, not measured; 100 %: measured, not assumed' });
+      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: the data have no information about the value; 100 %: the prior has no effect' });
     return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [table] : []),
       element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
   }
@@ -254,7 +254,7 @@
   function ladder(d) {
     if (!d.ladder) return [];
     const trips = d.ladder.round_trips;
-    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs about this number of rungs; twice as many are better.` : '';
+    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: parallel tempering needs about this number of temperatures, and works better with twice as many.` : '';
     return [element('p', {}, d.ladder.while_drawing
       ? `The draws come from parallel tempering: replicas went ${trips} times from the prior to the posterior and back. With fewer than about ten round trips, each chain may explore a different region.${barrier}`
       : `The run used tempering in warm-up only: the draws come from single chains at the posterior.${barrier}`)];
@@ -269,7 +269,7 @@
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) refine it.`)) : null,
+      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) refine the resolution.`)) : null,
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
@@ -306,7 +306,7 @@
       out.push(...modesTable(summary.modes?.[model]));
       const windows = windowRows(summary.parameters[model], summary.unknowns?.[model]);
       if (windows) out.push(copyable(windows));
-      if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations from the nearer end, so that mirror images coincide' }));
+      if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: distances of the locations from the nearer end, so that mirror images coincide' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
       return [element('section', { class: 'model', 'aria-label': model }, ...out)];

@@ -75,7 +75,7 @@ const shapeView = (() => {
     addEventListener('beforeprint', () => play(false));
     show();
     return element('figure', { class: 'wide' }, element('p', { class: 'tools' }, element('label', {}, 'Shown: ', choice), button),
-      picture, element('figcaption', {}, `At rest (thin) and deformed. The largest motion is drawn as ${charts.number(100 * reach / size, 2)} % of the structure's size, in slow motion, ${drawing.as ?? 'as computed for the intact structure'}.` + (solid ? ' Drag it or use the arrow keys to rotate it.' : '')));
+      picture, element('figcaption', {}, `At rest (thin) and deformed. The largest motion is drawn as ${charts.number(100 * reach / size, 2)} % of the structure's size, in slow motion, ${drawing.as ?? 'as computed for the intact structure'}.` + (solid ? ' Drag the drawing or use the arrow keys to rotate it.' : '')));
   };
 })();
 

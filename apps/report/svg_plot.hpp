@@ -42,7 +42,7 @@ class Plot {
   /// Returns axes with labels around `inside` (SVG).
   [[nodiscard]] std::string framed(const std::string& label, const std::string& horizontal,
                                    const std::string& vertical, const std::string& inside) const;
-  /// Returns axes with a line by its path and vertical marks.
+  /// Returns axes with a line (its SVG `path`) and vertical marks.
   [[nodiscard]] std::string drawn(const std::string& label, const std::string& horizontal,
                                   const std::string& vertical, const std::string& path,
                                   const std::vector<double>& marks) const;

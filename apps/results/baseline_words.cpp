@@ -20,7 +20,7 @@ std::string baseline_interval(const Marginal& e) {
 }
 
 std::string check_in_words(const StatesLikelihood::Check& check) {
-  return "Computed modes were compared with full solutions at " + std::to_string(check.points) +
+  return "Wheeltap compared computed modes with full solutions at " + std::to_string(check.points) +
          " draws of the priors: the largest relative error of a frequency is " +
          significant(check.largest_error, 2) +
          (check.missed > 0 ? ", and " + std::to_string(check.missed) + " modes were missed" : "") +

@@ -133,13 +133,14 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
     return;
   }
   const double discrepancy = damage_case.data.discrepancy_cv;
-  page.wrapped(std::string("The emulator error is ") +
-                   (e.error_in_likelihood ? "part of" : "NOT part of") + " the likelihood" +
-                   (discrepancy > 0.0 ? ", and so is a discrepancy of " +
-                                            significant(100.0 * discrepancy, 3) + " %"
-                                      : std::string()) +
-                   ".",
-               "", "  ");
+  page.wrapped(
+      std::string("The emulator error is ") + (e.error_in_likelihood ? "part of" : "NOT part of") +
+          " the likelihood" +
+          (discrepancy > 0.0 ? "; a discrepancy of " + significant(100.0 * discrepancy, 3) +
+                                   " % is part of the likelihood"
+                             : std::string()) +
+          ".",
+      "", "  ");
   if (!e.check) return;
   const auto& at = e.check->error_to_noise[static_cast<std::size_t>(e.check->worst_mode - 1)];
   page.wrapped(

@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 /// "mse", …}, …], …}.
 [[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Returns the name of the model of a Bayes factor that has no draws, "both" if neither of its
-/// models has draws, or "".
+/// Returns which model of a Bayes factor has no draws: its name, "both" if neither model has draws,
+/// or "" if both have draws.
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 

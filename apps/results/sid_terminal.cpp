@@ -24,7 +24,7 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
     } else if (findings.models[static_cast<std::size_t>(b.model)].standing.passed_over) {
       out << "not evaluated\n";
     } else {
-      out << "not known (without draws and evidence: " << never_visited(findings, b) << ")\n";
+      out << "not known (no draws and no evidence of " << never_visited(findings, b) << ")\n";
     }
   }
 }
@@ -93,8 +93,8 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   if (rows.size() > 1) page.table(rows);
 }
 
-// Models with a table of parameters: models with enough probability. For a discovery, only the most
-// probable model, because the terms have a table.
+// True for models whose parameters get a table: models with enough probability. For a discovery,
+// only the most probable model, because the terms have a separate table.
 std::vector<bool> worth_printing(const SidFindings& findings) {
   std::vector<bool> out;
   std::size_t best = 0;
@@ -138,7 +138,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
     print_condition(page, model, several);
     if (const auto& residuals = sid_case.models[m].residuals; residuals.chosen_kind != nullptr) {
       const ResidualWords words = residuals.model->words();
-      out << "Residuals: " << words.name << words.detail << ", by "
+      out << "Residuals: " << words.name << words.detail << ", chosen by "
           << residuals.chosen_kind->criterion << '\n';
     }
     print_parameters(page, model.parameters);

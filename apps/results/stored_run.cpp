@@ -77,8 +77,9 @@ void check_seal(const fs::path& path, const Report& wrote_one, const Report& sum
   if (wrote_one == is) return;
   const std::string of = run_of(summary), has = run_of(path);
   if (!has.empty() && has != of) {
-    throw FileError(FileError::Kind::mismatch, path,
-                    "is of another run (" + has + ") than summary.json beside it (" + of + ")");
+    throw FileError(
+        FileError::Kind::mismatch, path,
+        "is of another run (" + has + ") than the summary.json in its folder (" + of + ")");
   }
   const Report wrote = wrote_one.is_object() ? wrote_one.value("bytes", Report()) : Report();
   const auto wanted = wrote.is_number_unsigned() ? wrote.get<std::size_t>() : 0;

@@ -50,9 +50,9 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// Returns the text of the finished run in `folder` if the run is complete, and if case, contents
-/// of input files, seed and options (in /wheeltap/KEY) are the same. Throws io::FileError if a file
-/// does not belong to the run.
+/// Returns the text of the finished run in `folder`. The run must be complete and have the same
+/// case, contents of input files, seed and options (in /wheeltap/KEY). Throws io::FileError if a
+/// file does not belong to the run.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
                                                       const CaseFile& file, std::uint64_t seed,
                                                       const std::string& key,

@@ -62,7 +62,7 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// The probability of a model by the draws so far.
+/// The probability of a model from the draws so far.
 struct ModelSoFar {
   std::string name;
   double probability;

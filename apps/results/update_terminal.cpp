@@ -38,8 +38,8 @@ void print_parameters(const Page& page, const UpdateFindings& findings) {
                     fixed(100.0 * std::max(0.0, c.contraction), 0) + " %", standing(c)});
   }
   page.table(rows);
-  page.out << "Contraction: 1 - posterior variance over prior variance, in the prior's standard "
-              "normal\ncoordinate. 0 %: assumed, not measured; 100 %: measured, not assumed.\n";
+  page.out << "Contraction: 1 - posterior variance / prior variance, with the prior mapped to a\n"
+              "standard normal. 0 %: no information in the data; 100 %: no effect of the prior.\n";
 }
 
 void print_solutions(const Page& page, const UpdateFindings& findings) {
@@ -122,8 +122,8 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
             (data.sensors.size() == 1 ? " sensor" : " sensors");
   page.wrapped(line + "; " + std::to_string(findings.numbers) + " numbers", "", "  ");
   if (findings.numbering)
-    out << "Modes without shapes are paired by number, "
-        << probability_is(findings.numbering->probability) << " under the priors\n";
+    out << "Modes without shapes are paired by number. This pairing has "
+        << probability_is(findings.numbering->probability) << " under the priors.\n";
   print_answer(page, answer(findings));
   print_parameters(page, findings);
   print_solutions(page, findings);

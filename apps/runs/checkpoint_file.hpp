@@ -54,9 +54,9 @@ class CheckpointFile {
     if (!seals_.empty())
       first_ = seals_.rbegin()->first + 1;  // the last checkpoint still needs its parts
   }
-  /// Sets the options of the engine so that it saves its checkpoints in this file. At the first
-  /// call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot be
-  /// written, the run continues, and a line on standard error reports the fault.
+  /// Sets the options of the engine so that the engine saves its checkpoints in this file. At the
+  /// first call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot
+  /// be written, the run continues, and a line on standard error reports the fault.
   void attach(inference::Options& engine);
   /// True if a checkpoint of this run exists.
   [[nodiscard]] bool kept() const { return kept_; }

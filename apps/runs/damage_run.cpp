@@ -74,7 +74,7 @@ class DamageRun final : public CaseRun {
   }
 
  private:
-  // Cost of the run. Also reports states that do not fit the structure, when it is first solved.
+  // Cost of the run. This first solution of the structure also reports states that do not fit it.
   [[nodiscard]] RunCost explained_cost() const {
     try {
       return cost_of_damages(parsed_->damage, engine_options(common(), options()),

@@ -113,8 +113,9 @@ FoundModes find_modes(CaseFile file, const ModesOptions& options) {
     text << line << sparkline(modes.shapes.col(j))
          << (j < modes.rigid_body_modes ? "  rigid body" : "") << '\n';
   }
-  text << (modes.certified ? "\nA Sturm count certifies that no mode below the last is missing.\n"
-                           : "\nNot certified: a mode may be missing.\n");
+  text << (modes.certified
+               ? "\nA Sturm count certifies that no mode below the last listed mode is missing.\n"
+               : "\nNot certified: a mode may be missing.\n");
   return {.report = std::move(report), .text = text.str(), .doubts = implausible(damage_case.beam)};
 }
 

@@ -119,7 +119,7 @@ FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
     text << line << largest_motion(structure.drawing, modes.shapes.col(j))
          << (j < modes.rigid_body_modes ? "  (rigid body)" : "") << '\n';
   }
-  text << (modes.certified ? "\nCertified: no mode below the last is missing.\n"
+  text << (modes.certified ? "\nCertified: no mode below the last listed mode is missing.\n"
                            : "\nNot certified: a mode may be missing.\n");
   for (const std::string& remark : remarks) text << "Note: " << remark << ".\n";
   return {.report = std::move(report), .text = text.str(), .doubts = implausible(model.nominal)};

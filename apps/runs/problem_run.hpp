@@ -21,7 +21,7 @@ struct ProblemFile {
 /// Parses a problem from JSON. Throws Failure.
 [[nodiscard]] ProblemFile parse_problem(CaseFile file);
 
-/// A parameter sampled by its probability u ~ U(0, 1); `quantiles` replaces each u by x(u).
+/// A parameter x whose probability u ~ U(0, 1) is sampled; `quantiles` replaces each u by x(u).
 struct QuantilePrior {
   std::string name;
   std::function<void(std::vector<double>& u)> quantiles;

@@ -14,8 +14,8 @@ namespace wheeltap::apps {
 /// each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
-/// Prints the estimate of a "run" or "table" on standard output: the callback
-/// CommonOptions::dry_run for a single case.
+/// Prints the estimate of a "run" or "table" on standard output. It is the callback
+/// CommonOptions::dry_run of a single case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
 /// Returns the estimate as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods",

@@ -37,7 +37,7 @@ bool interrupted() {
 
 constexpr double kBriefProbe = 0.05;  // seconds
 
-constexpr const char* kHowToResume = "; the same command with --resume continues it";
+constexpr const char* kHowToResume = "; the same command with --resume continues the run";
 
 // One request may arrive as several signals, because `timeout` and schedulers signal the program
 // and its process group. A signal at least 1 s later is a second request.

@@ -36,7 +36,7 @@ void* load_module() {
   const std::filesystem::path here =
       std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& place : {here / kModule, here / WHEELTAP_MODULES / kModule}) {
-    // RTLD_GLOBAL, because components of Open MPI search for its global symbols.
+    // RTLD_GLOBAL is necessary: components of Open MPI search for global symbols of Open MPI.
     if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) return module;
   }
   return nullptr;
@@ -94,7 +94,7 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
   if (all_->meet(exit_code == 0 ? forever : kRankPatience)) return;
   if (said_ >= 0) {
     const std::string line =
-        "wheeltap: rank " + std::to_string(all_->rank()) + " alone: " + last_words + '\n';
+        "wheeltap: rank " + std::to_string(all_->rank()) + " only: " + last_words + '\n';
     static_cast<void>(!write(said_, line.data(), line.size()));
   }
   all_->abort(exit_code);
@@ -103,15 +103,15 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
 void require_same_on_all_ranks(const std::string& what, const std::string& text) {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(text)) {
     throw Failure(Exit::bad_input, "the ranks do not have the same " + what +
-                                       ": each reads its files on its own machine");
+                                       ": each rank reads files on its own machine");
   }
 }
 
 void require_equal_processors() {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(processor())) {
     throw Failure(Exit::usage,
-                  "the ranks run on different processors, on which numbers differ in their last "
-                  "bit: use --simd baseline");
+                  "the ranks run on different processors, whose results differ in the last bit: "
+                  "use --simd baseline");
   }
 }
 

@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 /// Extrapolates the time of the present stage from its time so far. For later stages, the estimate
-/// uses the time per likelihood evaluation: the shorter of the times in this stage and in the whole
-/// run, because a stage may have counted few evaluations so far.
+/// uses the time per likelihood evaluation, in this stage or in the whole run. It uses the shorter
+/// time, because a stage may have counted few evaluations so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound of the time of a likelihood evaluation in later stages [s]; 0

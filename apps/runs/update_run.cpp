@@ -95,12 +95,12 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
   if (basis.beyond > 0)
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
                " draws of the prior are outside the basis and need full solutions: this may take "
-               "long");
+               "a long time");
   if (parsed.outside) return tell_of_outside(parsed, problem, watch);
   for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
 }
 
-/// An update run. The training of the basis shows the time of a likelihood: estimate() again.
+/// An update run. Call estimate() again after the training of the basis, which measures the time of a likelihood.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)

@@ -90,7 +90,7 @@ std::string place_in_words(const Marginal& x, const Marginal* severity, const Ma
   } else {
     text = "near " + fixed(x.q50, 3) + " m (95 % interval " + answer_in_metres(x) + ")";
     if (mirrored && std::abs(length - 2.0 * x.q50) > 0.01 * length) {
-      text += " or its mirror image " + fixed(length - x.q50, 3) + " m";
+      text += " or at its mirror image " + fixed(length - x.q50, 3) + " m";
     }
   }
   if (severity == nullptr) return text;
@@ -306,7 +306,7 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
       out.detail = "If " + said(best) + ": " + out.detail;
     }
   } else if (findings.models.size() > 1) {
-    out.detail = "Probability of at least one: " + percent(1.0 - best.probability()) + "." +
+    out.detail = "Probability of at least one defect: " + percent(1.0 - best.probability()) + "." +
                  (best.probability() >= kDecided
                       ? " The locations below are conditional on at least one defect."
                       : "");

@@ -56,9 +56,9 @@ std::string longer_in_words(const DefectKind& kind, int damages, const MergedMod
           : taken == 2 ? std::string("Two of these")
                            : number_words(taken) + " of these") +
          " are adjacent: one longer " + kind.name + ", " + length_in_words(length.q50) + " (" +
-         length_in_words(length.q2_5) + " to " + length_in_words(length.q97_5) + ") long " +
-         (kind.line.is_beam() ? "" : "on " + on.name + " ") + "about " +
-         fixed(merged.location.q50, 3) + " m with " + fixed(100.0 * merged.reduction.q50, 0) +
+         length_in_words(length.q2_5) + " to " + length_in_words(length.q97_5) + ") long, " +
+         (kind.line.is_beam() ? "" : "on " + on.name + " ") + "near " +
+         fixed(merged.location.q50, 3) + " m, with " + fixed(100.0 * merged.reduction.q50, 0) +
          " % of the stiffness lost, explains the data " +
          (merged.gain > kBetter ? "better" : "equally well") + ", with fewer unknowns.";
 }

@@ -62,7 +62,7 @@ struct Sentence {
         more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +
                        std::to_string(r.lag));
       if (std::isfinite(r.share_of_free))
-        more.push_back("for a chain of masses with free cubic springs " +
+        more.push_back("a chain of masses with free cubic springs leaves " +
                        significant(100.0 * r.share_of_free, 2) + " %");
       for (std::size_t i = 0; i < more.size(); ++i) text += (i == 0 ? " (" : "; ") + more[i];
       parts.push_back(text + (more.empty() ? "" : ")"));
@@ -121,7 +121,7 @@ std::string stated(double cv) {
 std::string what_to_check(const std::vector<int>& modes, bool emulated) {
   return (modes.empty() ? std::string()
                         : " (frequencies with errors above 3 sd: " + name_modes(modes) + ")") +
-         (emulated ? ". The emulator's error may be larger here than on average over its box: try "
+         (emulated ? ". The emulator error may be larger here than on average over its range: try "
                      "\"predictor\": \"fe\". Otherwise check"
                    : ". Check") +
          " the model's properties, the mode numbering and data.cov before you use the locations; "

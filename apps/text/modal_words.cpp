@@ -25,7 +25,7 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
   for (const ModeDoubt doubt : mode.doubts) {
     switch (doubt) {
       case ModeDoubt::few_orders:
-        out.push_back("in only " + std::to_string(mode.present) + " of " +
+        out.push_back("found in only " + std::to_string(mode.present) + " of " +
                       std::to_string(mode.orders) + " model orders");
         break;
       case ModeDoubt::damping_unknown:
@@ -39,8 +39,8 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         break;
       case ModeDoubt::twin:
         out.emplace_back(
-            "the frequency of another mode with the same shape is closer than the uncertainty or "
-            "the bandwidths of the two modes");
+            "another mode has the same shape, and the frequencies of the two modes differ by less "
+            "than their uncertainty or their bandwidths");
         break;
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may distort the mode");
@@ -55,11 +55,11 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
   for (const signals::MergeDoubt doubt : mode.doubts) {
     switch (doubt) {
       case signals::MergeDoubt::few_set_ups:
-        out.push_back("in only " + std::to_string(mode.found()) + " of " +
+        out.push_back("found in only " + std::to_string(mode.found()) + " of " +
                       std::to_string(mode.places.size()) + " set-ups");
         break;
       case signals::MergeDoubt::doubted:
-        out.emplace_back("doubtful in most set-ups that have it");
+        out.emplace_back("doubtful in most set-ups in which it was found");
         break;
       case signals::MergeDoubt::inconsistent:
         out.push_back(
@@ -98,8 +98,8 @@ std::vector<std::string> record_in_words(const SetUp& set_up) {
   if (!text.empty()) out.push_back(text + ".");
   if (!set_up.orders.empty() && std::ranges::min(set_up.orders) != std::ranges::max(set_up.orders))
     out.emplace_back(
-        "Channels measure different quantities: Wheeltap converts each mode shape to the highest "
-        "derivative, with the mode's frequency and damping.");
+        "Channels measure different quantities: Wheeltap converts each mode shape to the quantity "
+        "that is the highest time derivative, with the frequency and damping of the mode.");
   if (std::string words = sampling_in_words(set_up.sampling);
       !words.empty() && !set_up.sampling.doubtful_unit)
     out.push_back(std::move(words));
@@ -114,7 +114,7 @@ std::string orders_in_words(int present, int orders) {
 std::string rejection_in_words(signals::Rejection why) {
   switch (why) {
     case signals::Rejection::few_orders:
-      return "in too few model orders";
+      return "found in too few model orders";
     case signals::Rejection::splinter:
       return "part of a mode that another cluster estimates better (high model orders split modes)";
     case signals::Rejection::noise:
@@ -139,7 +139,8 @@ std::string rejected_poles_in_words(const signals::ModalResult& result) {
   std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
                     " poles in the band with a damping from -0.2 to 20 %, ";
   if (unknown > 0)
-    out += base::grouped(unknown) + " were omitted because their frequency is not known to 5 %, ";
+    out += base::grouped(unknown) +
+           " were omitted because the sd of their frequency exceeds 5 %, and ";
   return out + base::grouped(alone) +
          " were omitted because fewer than two other model orders have a similar pole.";
 }
@@ -158,16 +159,16 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
     out.push_back("Frequency response functions at " + base::grouped(result.lines) +
                   " frequencies from " + significant(result.lowest_hz, 4) + " to " +
                   significant(result.highest_hz, 4) +
-                  " Hz, fitted by matrix fractions of model orders up to " +
-                  std::to_string(result.largest_order) + "; standard deviations from " +
-                  std::to_string(result.replicates) + " replicates of the fit's residuals.");
+                  " Hz were fitted by matrix fractions of model orders up to " +
+                  std::to_string(result.largest_order) + ". Standard deviations come from " +
+                  std::to_string(result.replicates) + " bootstrap replicates of the residuals.");
     return out;
   }
   if (result.segments > 0) {
-    out.push_back("Spectra of " + base::grouped(static_cast<long>(result.segments)) +
+    out.push_back("Spectra are averages of " + base::grouped(static_cast<long>(result.segments)) +
                   " segments of " + base::grouped(static_cast<long>(result.segment)) +
-                  " samples, " + significant(result.sample_rate_hz / result.segment, 3) +
-                  " Hz between spectral lines; modes are peaks of the first singular value.");
+                  " samples, with " + significant(result.sample_rate_hz / result.segment, 3) +
+                  " Hz between spectral lines. Modes are peaks of the first singular value.");
     if (result.method == signals::ModalMethod::enhanced)
       out.push_back(
           "Frequency and damping are fitted to the decay of the spectral lines about each peak. "
@@ -177,8 +178,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
           "change of shape truncates the spectral bell.");
     else
       out.emplace_back(
-          "Frequencies are known at best to the spacing of the spectral lines. This method gives "
-          "no damping "
+          "Frequencies are at best as accurate as the spacing of the spectral lines. This method "
+          "gives no damping "
           "and no standard deviations: damage and update cases reject these modes as data.");
     return out;
   }
@@ -187,10 +188,10 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   std::to_string(result.decimated) + ", to " +
                   significant(result.sample_rate_hz, 5) + " Hz.");
   if (result.method == signals::ModalMethod::realisation) {
-    out.push_back("Free decays over " + std::to_string(result.lags) + " samples (" +
-                  significant(result.lags / result.sample_rate_hz, 3) + " s); model orders up to " +
-                  std::to_string(result.largest_order) + "; standard deviations from " +
-                  std::to_string(result.replicates) +
+    out.push_back("Free decays were used over " + std::to_string(result.lags) + " samples (" +
+                  significant(result.lags / result.sample_rate_hz, 3) +
+                  " s), with model orders up to " + std::to_string(result.largest_order) +
+                  ". Standard deviations come from " + std::to_string(result.replicates) +
                   " surrogates of the residuals of the decays.");
     return out;
   }
@@ -200,11 +201,11 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   (result.references.size() == 1 ? " sensor" : " sensors") +
                   " common to all set-ups, and the modes of all set-ups were identified together. "
                   "The spectrum shows the first set-up.");
-  out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
+  out.push_back("Covariances were used over " + std::to_string(result.lags) + " lags (" +
                 significant(result.lags / result.sample_rate_hz, 3) +
-                " s), their standard deviations from " + std::to_string(result.blocks) +
-                " blocks of " + significant(result.block_seconds, 3) + " s; model orders up to " +
-                std::to_string(result.largest_order) + ".");
+                " s). Their standard deviations come from " + std::to_string(result.blocks) +
+                " blocks of " + significant(result.block_seconds, 3) +
+                " s. Model orders go up to " + std::to_string(result.largest_order) + ".");
   if (result.chosen_by_hand)
     out.emplace_back(
         "The modes are the poles that the user chose in the key \"poles\" of the case.");
@@ -230,8 +231,8 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   for (const std::string& why : result.remarks.unsettled)
     out.push_back("Not converged, do not trust these numbers yet: " + why);
   if (result.remarks.short_blocks)
-    out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
-                  significant(result.block_seconds, 3) +
+    out.push_back("The record is short: it gives only " + std::to_string(result.blocks) +
+                  " blocks of " + significant(result.block_seconds, 3) +
                   " s, so that the relative error of standard deviations is about " +
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
   if (const int n = result.remarks.longer_decays; n > 0)

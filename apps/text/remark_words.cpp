@@ -144,7 +144,7 @@ class Speaker {
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
     return "The data do not distinguish between these locations: " + in_words(list, "or") +
            ". One of these locations is damaged (" + probability_is(std::min(sum, 1.0)) +
-           "), and very rarely two. To distinguish the locations, measure mode shapes or more "
+           "), two of them very rarely. To distinguish the locations, measure mode shapes or more "
            "modes, or "
            "inspect these locations.";
   }
@@ -156,16 +156,18 @@ class Speaker {
            "the intervals. Measure more frequencies.";
   }
   std::string operator()(const remark::CannotExclude& r) const {
-    std::string text = frequencies_of(r.frequencies) + " cannot exclude " + r.model + " (" +
-                       probability_is(r.probability) + "): with " + unknowns_of(r.unknowns) +
-                       " it has at least as many unknowns as there are data and fits any data";
+    std::string text =
+        frequencies_of(r.frequencies) + " cannot exclude " + r.model + " (" +
+        probability_is(r.probability) + "): with " + unknowns_of(r.unknowns) +
+        ", this model has at least as many unknowns as there are data and fits any data";
     for (const auto& hidden : r.hidden) {
       text += ". With this model, a further " + hidden.kind + " could lie between " +
               said(hidden.below) + " and " + said(hidden.above) + ", at " +
               significant(hidden.from, 2) + " to " + significant(hidden.to, 2) + " m (95 %)";
     }
     return text +
-           ". Measure more frequencies, or rule it out by inspection and lower damage.count.max.";
+           ". Measure more frequencies, or exclude this model by inspection and lower "
+           "damage.count.max.";
   }
   std::string operator()(const remark::NoModelFits& r) const {
     return "No model here fits the data well within the stated noise" +
@@ -216,7 +218,7 @@ class Speaker {
     if (!check.conclusive) {
       return "The emulator error changed the results by more than these draws can measure: of " +
              std::to_string(check.draws) +
-             " draws checked with the FE solution, the FE likelihood gives weight to only about " +
+             " draws checked with the FE solution, the number of effective draws is only about " +
              rounded_count(std::max(1.0, check.effective_share * check.draws)) + ". " + ending;
     }
     std::string text;
@@ -243,7 +245,7 @@ class Speaker {
     for (const auto& p : r.parameters)
       list.push_back("\"" + p.name + "\" = " + significant(p.value, 6) + " (" + p.prior + ")");
     return "The priors exclude parameters of the true model, so that no run can find it: " +
-           in_words(list) + ". Are they in SI units?";
+           in_words(list) + ". Are these values and priors in SI units?";
   }
   std::string operator()(const remark::ResponsesOutOfReach& r) const {
     std::vector<std::string> list;
@@ -295,40 +297,40 @@ class Speaker {
   std::string operator()(const remark::UnevenTime& r) const { return jitter_in_words(r.sampling); }
   std::string operator()(const remark::BaseIntegrated&) const {
     return "Responses are absolute and only the acceleration of the base was measured. Wheeltap "
-           "integrated it and removed a drift of second order in time that the responses do not "
-           "have: slower drifts of the structure itself then appear as drifts of the base.";
+           "integrated this acceleration and removed a quadratic drift that the responses do not "
+           "have: a slow drift of the structure itself then appears as a drift of the base.";
   }
   std::string operator()(const remark::MostProbableFails& r) const {
     std::string why;
     for (const auto& reason : r.why) why += (why.empty() ? "" : "; ") + in_brief(reason);
     return "\"" + r.model + "\", the most probable model, does not explain the record (" + why +
            "); \"" + r.other +
-           "\", which the window does not exclude, does. Use a window in which the predictions of "
-           "both models differ.";
+           "\" explains the record, and the window does not exclude this model. Use a window in "
+           "which the predictions of both models differ.";
   }
   std::string operator()(const remark::MostlyNoise& r) const {
-    return "Under \"" + r.model + "\" most of \"" + r.channel + "\" is noise (R² " +
+    return "Under \"" + r.model + "\", most of \"" + r.channel + "\" is noise (R² " +
            significant(r.r2, 2) +
            ", white residual): the record has little information about the response.";
   }
   std::string operator()(const remark::InitialStateInferred& r) const {
     return "The window does not start at rest (the responses begin at " + percent(r.share) +
-           " of their root mean square). Wheeltap infers the initial state, with normal priors of "
-           "the responses' size. To fix the initial state at rest, write \"initial\": \"rest\" in "
-           "the record.";
+           " of their root mean square). Wheeltap infers the initial state, with normal priors "
+           "scaled by the responses. To fix the initial state at rest, write \"initial\": \"rest\" "
+           "in the record.";
   }
   std::string operator()(const remark::StepsTooLong& r) const {
     return "Under \"" + r.model +
-           "\" time steps a quarter as long change the best draw's response by " +
+           "\", time steps a quarter as long change the response of the best draw by " +
            significant(r.error, 2) +
            " times the noise (root of the sum of squares): the time steps alone may shift "
            "parameters "
            "by up to " +
            significant(r.error, 2) + " standard deviations. " +
-           (r.fixed ? "Remove \"integration\" from the case, and Wheeltap repeats the run with "
-                      "smaller time steps; or lower its \"step_limit\"."
+           (r.fixed ? "Remove \"integration\" from the case, so that Wheeltap repeats the run with "
+                      "smaller time steps, or lower its \"step_limit\"."
                     : "Wheeltap repeats a complete run with smaller time steps, at most twice. For "
-                      "shorter time steps, lower \"step_limit\" (\"integration\").");
+                      "shorter time steps, lower \"step_limit\" in \"integration\".");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {
     std::string errors;
@@ -338,7 +340,7 @@ class Speaker {
                 significant(100.0 * channel.of_best, 3) + " %";
     }
     return "Under \"" + r.model +
-           "\" the mean values of the parameters do not fit the record: the response computed "
+           "\", the mean values of the parameters do not fit the record: the response computed "
            "with the mean values differs from the record by more than the response of the best "
            "draw (" +
            errors + "). Use draws, or \"best_draw\" in summary.json, not the mean values.";
@@ -349,7 +351,7 @@ class Speaker {
       off += (off.empty() ? "\"" : ", \"") + channel.name + "\" by a factor of " +
              significant(channel.factor, 3);
     }
-    return "Under \"" + r.model + "\" the residuals differ from the stated noise: " + off +
+    return "Under \"" + r.model + "\", the residuals differ from the stated noise: " + off +
            ". Either the stated noise is wrong (make it a parameter), or no model here explains "
            "the record.";
   }
@@ -361,7 +363,7 @@ class Speaker {
                   fixed(channel.autocorrelation, 2) + " at lag " + std::to_string(channel.lag) +
                   ", " + p_value(channel.p_value) + ")";
     }
-    return "Under \"" + r.model + "\" the residuals are not white: " + coloured + ". " +
+    return "Under \"" + r.model + "\", the residuals are not white: " + coloured + ". " +
            (!r.residual_model.empty()
                 ? "The " + r.residual_model +
                       " does not represent all of the correlation: " + r.remedy +
@@ -371,12 +373,12 @@ class Speaker {
                       std::string(residual_kinds().front()->key) +
                       "\": \"auto\"} to the case, or a model that explains more.") +
            (r.others.empty()       ? ""
-            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" the residuals are similar."
+            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\", the residuals are similar."
                                    : " Under " + std::to_string(r.others.size()) +
-                                         " other models the residuals are similar.");
+                                         " other models, the residuals are similar.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
-    return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +
+    return "Under \"" + r.model + "\", the posterior of " + r.parameter + " piles up at the " +
            (r.upper ? "upper" : "lower") + " bound of its prior, " + r.prior +
            ": widen the prior unless this bound is certain.";
   }
@@ -384,7 +386,7 @@ class Speaker {
     const auto end = [](int mass) {
       return mass == 0 ? std::string("the ground") : "mass " + std::to_string(mass);
     };
-    return "Under \"" + r.model + "\" the gap of " + r.law + " (" +
+    return "Under \"" + r.model + "\", the gap of " + r.law + " (" +
            (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
            " does not close in this record: the motion towards the stop is at most " +
            significant(r.reach, 3) + " m, less than the gap in " + percent(r.share) +
@@ -407,7 +409,7 @@ class Speaker {
                ? mode + " is probably spurious (P " + percent(r.probability) +
                      ") and has almost no influence. Check this mode, or leave it out of the data."
                : mode + " may be spurious (P " + percent(r.probability) +
-                     ") and has less influence.";
+                     "), so it has less influence than the other modes.";
   }
 
  private:

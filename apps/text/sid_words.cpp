@@ -11,15 +11,15 @@ std::string sentence(const remark::ScatterBetweenWindows& r) {
   for (const auto& parameter : r.parameters) {
     parts.push_back(parameter.name + (parts.empty() ? " scatters by " : " by ") +
                     significant(parameter.factor, 2) +
-                    (parts.empty() ? " times what its interval allows" : " times"));
+                    (parts.empty() ? " times the amount that its interval allows" : " times"));
   }
-  return "Under \"" + r.model + "\", between the " + std::to_string(r.windows) + " windows " +
-         in_words(parts) + ": use the " + (parts.size() == 1 ? "interval" : "intervals") +
+  return "Under \"" + r.model + "\", between the " + std::to_string(r.windows) + " windows, " +
+         in_words(parts) + ". Use the " + (parts.size() == 1 ? "interval" : "intervals") +
          " between windows.";
 }
 
 std::string sentence(const remark::WindowsUnsound& r) {
-  std::string text = "Under \"" + r.model + "\" ";
+  std::string text = "Under \"" + r.model + "\", ";
   if (r.failed > 0) {
     text += std::to_string(r.failed) + " of the " + std::to_string(r.windows) +
             " windows could not be fitted";
@@ -36,11 +36,11 @@ std::string residuals_note(const SidModel& model) {
   const SidResiduals& residuals = model.residuals;
   if (residuals.chosen_kind == nullptr) return {};
   const ResidualWords words = residuals.model->words();
-  const std::string chosen = "Under \"" + model.name + "\" the residuals are modelled as " +
+  const std::string chosen = "Under \"" + model.name + "\", the residuals are modelled as " +
                              std::string(words.article) + (words.article.empty() ? "" : " ") +
                              std::string(words.name) + words.detail + ", ";
   return chosen + (residuals.model->is_white()
-                       ? "like those of its best fit."
+                       ? "like the residuals of its best fit."
                        : "chosen by " + std::string(residuals.chosen_kind->criterion) +
                              " from the residuals of its best fit with white noise.");
 }

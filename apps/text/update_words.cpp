@@ -104,8 +104,8 @@ std::string one_solution(const UpdateFindings& findings, std::size_t which) {
          "): " + in_words(parts) + ".";
 }
 
-/// True if modes may be spurious: at most a third of the modes have a shape that the model lacks,
-/// and the case does not allow for spurious modes ("doubt").
+/// True if some modes may be spurious: at most a third have a shape that the model lacks, and the
+/// case does not allow for spurious modes ("doubt").
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
   for (const ModeFinding& m : findings.modes) {
@@ -148,7 +148,7 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
         (fit.p < kMisfit ? "predictive " + p_value(fit.p)
                          : "even the best draw has " + p_value(fit.best_p)) +
         ")" + (modes.empty() ? "." : ": " + in_words(modes) + ".") +
-        " Check standard deviations, units, sensors and directions; then the model. To infer the "
+        " Check standard deviations, units, sensors and directions, then the model. To infer the "
         "model error, add "
         "\"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}" +
         (may_be_spurious(findings) ? "; to allow for spurious modes, add \"doubt\": 0.05." : "."));
@@ -229,7 +229,7 @@ std::string numbering_sentence(const UpdateFindings& findings) {
   }
   return "The numbering of the modes is doubtful. Without shapes, Wheeltap assigns each measured "
          "mode to the model's mode with the same number (" +
-         name_modes(n.measured) + "): " + probability_is(n.probability) +
+         name_modes(n.measured) + "). This numbering has " + probability_is(n.probability) +
          " under the priors. The model's " + name_modes(n.likeliest.modes) + " have " +
          probability_is(n.likeliest.probability) +
          ". If these numbers are right, state \"model_modes\": " +
@@ -269,13 +269,13 @@ Answer answer(const UpdateFindings& findings) {
                          (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") + " at " +
                          (unmoved == 1 ? "its prior." : "their priors.");
   if (!findings.solutions.empty())
-    out.headline = "The " + numbers + " have " + std::to_string(findings.solutions.size()) +
+    out.headline = "The " + numbers + " allow " + std::to_string(findings.solutions.size()) +
                    " separate solutions, with probabilities of " +
                    probabilities(findings.solutions) + ".";
   if (findings.numbering && findings.numbering->probability < 0.5)
     out.headline = "The mode numbers are probably wrong (" +
-                   probability_is(findings.numbering->probability) +
-                   " that they are the model's). " + out.headline;
+                   probability_is(findings.numbering->probability) + " that they are right). " +
+                   out.headline;
   if (!findings.fit.ok()) {
     out.misfit = true;
     const bool fits = findings.fit.p >= kMisfit && findings.fit.best_p >= kMisfit;

@@ -1,5 +1,5 @@
-// mpirun -n N sharing_out: what it costs to share work out among ranks, in microseconds: by the
-// clock, and of rank 0's processor.
+// mpirun -n N sharing_out: time for distributing work among ranks [µs], as wall time and as
+// processor time of rank 0.
 #include <chrono>
 #include <cstdio>
 #include <ctime>

@@ -1,4 +1,4 @@
-// What a time-history likelihood costs. The counter "per_set" is the time of one parameter vector.
+// Run time of a time-history likelihood. The counter "per_set" is the time of one parameter vector.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using namespace wheeltap::dynamics;
 
 constexpr int kRigSamples = 186368;
 
-/// Something that looks like noise; its values do not matter here.
+/// A signal similar to noise. The exact values do not matter here.
 std::vector<double> excitation(std::size_t samples, double amplitude) {
   std::vector<double> x(samples);
   double phase = 0.0;
@@ -41,8 +41,8 @@ Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions
                 observed);
 }
 
-/// The same with cubic springs, and dry friction in every link that sticks now and then; by series
-/// with and without it, so that the ratio is what stick and slip cost.
+/// The same chain with cubic springs and, if `friction` is true, dry friction in every link with occasional
+/// sticking. Both variants use series; the ratio of their times shows the effect of stick and slip.
 Misfit three_masses_rubbing(bool friction) {
   Chain chain = three_masses(true, Integrator::series, Instructions::automatic).simulator().chain();
   for (Link& link : chain.links)
@@ -57,7 +57,7 @@ Misfit three_masses_rubbing(bool friction) {
 }
 
 /// Tiboaca 2016, section 6.3: the rig's full record under white base motion; accelerations of two
-/// floors. `substeps` 0: the exact solution, piecewise with contact.
+/// floors. With `substeps` = 0: the exact solution; with contact, piecewise.
 Simulator rig(bool contact, int substeps, double rms, std::vector<Sensor> sensors) {
   Chain chain{.masses = {6.6450, 6.7713},
               .links = {{.a = 0,
@@ -85,7 +85,7 @@ Misfit rig_misfit(bool contact, int substeps, double rms) {
                 std::vector<Signal>(2, Signal{excitation(kRigSamples, 1.0)}));
 }
 
-/// The fraction of samples at which the gap is closed.
+/// Returns the fraction of samples at which the gap is closed.
 double touching(double rms, const std::vector<double>& theta) {
   const Eigen::MatrixXd z =
       rig(true, 0, rms,

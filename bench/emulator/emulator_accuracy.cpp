@@ -1,8 +1,8 @@
-// Which emulator for a damaged beam: error against fresh FE runs, cost, and size of the table, for
-// one to five damages. Prints a Markdown table:
+// Compares emulators of a beam with one to five damages: errors against further FE runs, run times
+// and sizes of the tables. Prints a Markdown table:
 //   emulator_accuracy [holdout runs]
-// The beam is the source's (simply supported aluminium, 1 m, 100 elements, 20 modes), reductions up
-// to 0.6 anywhere; emulators and FE are given the midpoint of the damaged element.
+// The beam is that of Tiboaca 2016 (simply supported aluminium, 1 m, 100 elements, 20 modes), with
+// reductions up to 0.6 at any location. Emulators and FE receive the midpoint of the damaged element.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ using Eigen::Index;
 
 constexpr Index kModes = 20;
 constexpr int kElements = 100;
-constexpr double kNoise = 0.001;  // of a frequency
+constexpr double kNoise = 0.001;  // relative to a frequency
 
 fem::Beam source_beam() {
   return {.length = 1.0,
@@ -45,7 +45,7 @@ const fem::Reanalysis& beam() {
   return reanalysis;
 }
 
-/// location[1], reduction[1], location[2], … → frequencies.
+/// Maps location[1], reduction[1], location[2], … to frequencies.
 Model make_model() {
   return [workspace = std::make_shared<fem::Reanalysis::Workspace>(beam().make_workspace())](
              std::span<const double> x, std::span<double> y) {
@@ -72,14 +72,14 @@ std::vector<double> every_element() {
   return sites;
 }
 
-/// The source's sites; both damages may take all of them here, so that one table serves any pair.
+/// The sites of Tiboaca 2016. Both damages may be at any of these sites: one table serves any pair.
 std::vector<double> source_sites() {
   std::vector<double> sites;
   for (int e = 4; e < kElements; e += 10) sites.push_back(source_beam().element_midpoint(e));
   return sites;
 }
 
-/// Points uniform in the box, locations moved to the midpoints of their elements.
+/// Uniform random points in the box, with locations moved to the midpoints of their elements.
 Design holdout_design(int count, Index runs, double low, double high) {
   Design design = random_design(factors(count, {low, high}, {0.0, 0.6}, Scale::linear), runs, 2024);
   for (Index i = 0; i < runs; ++i)
@@ -155,8 +155,8 @@ int main(int argc, char** argv) {
     truth.push_back(run_experiment(holdout.back(), kModes, make_model, {.threads = 2}));
   }
 
-  // Five damages would be 102 million runs of 20 modes, 16 GB; every element a site, three are 10
-  // GB.
+  // Five damages would need 102 million runs of 20 modes, 16 GB. With every element as a site,
+  // three damages need 10 GB.
   for (int count : {1, 2, 3, 4}) {
     const Grid grid = run_grid(factors(count, source_sites(), levels, Scale::linear));
     const MultilinearInterpolant f(grid.factors, grid.values);

@@ -1,4 +1,4 @@
-// Cost of one evaluation of each emulator at random points: 20 responses.
+// Run time of one evaluation of each emulator at random points, with 20 responses.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using namespace wheeltap::emulator;
 
 constexpr Eigen::Index kResponses = 20;
 
-/// d factors on a grid of ten locations by four reductions, as the source's tables are.
+/// d factors on a grid of ten locations by four reductions, as in the tables of Tiboaca 2016.
 std::vector<Factor> source_like(int d) {
   std::vector<Factor> factors;
   for (int j = 0; j < d; ++j) {
@@ -62,7 +62,7 @@ void monotone_cubic(benchmark::State& state) {
 }
 BENCHMARK(monotone_cubic)->DenseRange(1, 4)->ArgName("factors");
 
-/// Locations on levels (every element a site), reductions anywhere.
+/// Locations at levels, as if every element were a site; reductions between levels.
 void monotone_cubic_at_sites(benchmark::State& state) {
   const auto factors = source_like(4);
   RowMatrix points = random_design(factors, 1024, 1).points;
@@ -95,7 +95,7 @@ void anova(benchmark::State& state) {
 }
 BENCHMARK(anova)->DenseRange(1, 5)->ArgName("components");
 
-/// A smooth function of four factors: what is timed does not depend on it.
+/// A smooth function of four factors. The measured times do not depend on this function.
 RowMatrix smooth(const RowMatrix& points) {
   RowMatrix y(points.rows(), kResponses);
   for (Eigen::Index i = 0; i < y.rows(); ++i)

@@ -1,5 +1,5 @@
-// Figures of cross-sections on finer and finer meshes, beside what is known of them: the table of
-// docs/validation.md.
+// Properties of cross-sections on successively finer meshes, compared with known values: the table
+// of docs/validation.md.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -45,7 +45,7 @@ Ring rectangle(double width, double height) {
   return {{0, 0}, {width, 0}, {width, height}, {0, height}};
 }
 
-/// A strip of thickness t bent to the mean radius r, of equal area in chords.
+/// A strip of thickness t bent to the mean radius r, as a polygon of equal area.
 Ring curved_strip(double r, double t, double first, double last, int corners) {
   Ring ring;
   const double step = (last - first) / corners, stretch = std::sqrt(step / std::sin(step));

@@ -1,11 +1,11 @@
-// Spaces of many models whose probabilities are known: the galaxies with an unknown number of
-// components, 1024 subsets of regressors, and counts that the data say nothing of.
+// Problems with many models of known probability: the galaxies with an unknown number of
+// components, 1024 subsets of regressors, and counts on which the data have no information.
 //
-// galaxies/draws/moves: with moves:1 the problem brings a move of its own (MixtureGibbs).
+// galaxies/draws/moves: with moves:1, the problem adds the move MixtureGibbs.
 //
-// Counters: ess/Mcall is effective draws of the count (of the inclusion that has fewest, for
-// subsets) per million likelihood evaluations after warm-up; worst_dP is the largest error of a
-// probability and worst_errors the same in Monte Carlo standard errors (4 are rare).
+// Counters: ess/Mcall is the effective sample size of the count per million likelihood evaluations
+// after warm-up (for subsets, the smallest of all inclusions). The largest error of a probability
+// is worst_dP, or worst_errors in Monte Carlo standard errors (4 are rare).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ double calls_after_warmup(const Posterior& posterior) {
   return static_cast<double>(posterior.likelihood_evaluations - posterior.warmup_evaluations);
 }
 
-// `known_error`: of the exact value, where that is by simulation.
+// `known_error` is the standard error of `exact` if `exact` comes from a simulation.
 struct Worst {
   double difference = 0.0, errors = 0.0;
   void add(const ChainsOf& draws, double exact, double known_error = 0.0) {
@@ -59,9 +59,9 @@ void report_run(benchmark::State& state, const Posterior& posterior) {
 
 constexpr double kRange = 25.107, kMiddle = 21.7255;
 
-// Richardson & Green (1997, JRSS B 59:731), section 4.1. A component is (μ, g, v): its precision is
-// g / β with g ~ Gamma(2, rate 1), so that 1/σ² ~ Gamma(2, rate β); its weight is v / Σ v with v ~
-// Gamma(1), so that the weights are Dirichlet(1, …, 1).
+// Richardson & Green (1997, JRSS B 59:731), section 4.1. A component has the parameters (μ, g, v).
+// Its precision is g / β with g ~ Gamma(2, rate 1), so that 1/σ² ~ Gamma(2, rate β). Its weight is
+// v / Σ v with v ~ Gamma(1), so that the weights are Dirichlet(1, …, 1).
 class Galaxies : public Likelihood {
  public:
   explicit Galaxies(std::vector<double> y) : y_(std::move(y)) {}
@@ -94,31 +94,31 @@ class Galaxies : public Likelihood {
   std::vector<double> y_, a_, term_;
 };
 
-// What a user who knows mixtures adds: the telescoping sampler (Frühwirth-Schnatter, Malsiner-Walli
-// & Grün 2021, Bayesian Analysis 16:1279) for the state's own parameters. Each datum is allocated
-// to a component with its posterior probability; given the allocation a, with n_j data in component
-// j and K of the k components not empty, these are exact conditionals:
+// A move that a user could add for mixtures: the telescoping sampler (Frühwirth-Schnatter,
+// Malsiner-Walli & Grün 2021, Bayesian Analysis 16:1279) for the parameters of the state. Each datum
+// is allocated to a component with its posterior probability. Given the allocation a, with n_j data
+// in component j and K of the k components not empty, the conditional distributions are exact:
 //
 //   μ_j | ·  normal,   τ_j = g_j/β ~ Gamma(2 + n_j/2, rate β + ½ Σ (y - μ_j)²),
 //   β | ·    ~ Gamma(0.2 + 2k, rate 10/R² + Σ τ_j),
 //   k | a    ∝ P(k) k!/(k - K)! Γ(k)/Γ(k + n), empty components from their priors, with
 //   v/Σv     ~ Dirichlet(1 + n_j) and Σv ~ Gamma(k).
 //
-// The four are run in this order or, as often, in the reverse. Before the allocation, or in the
-// reverse order after all of them, components with parameters from their priors are born, and any
-// of the k die, with the ratio L(s') P(k') / (L(s) P(k)) of likelihoods without allocations, to
-// which the densities that the allocation needs anyway add up (Stephens 2000, Annals of Statistics
-// 28:40, in discrete time): k then also changes by components that hold a few data. All of this is
-// a sweep. Given a, each part is reversible with respect to the posterior π, and so
+// A sweep draws from the four in this order or, with probability ½, in the reverse order. Before
+// the allocation (in the reverse order, after all draws), components with parameters from their
+// priors are born, and any of the k components die. Both have the ratio L(s') P(k') / (L(s) P(k))
+// of likelihoods without allocations, which are sums of the densities for the allocation (Stephens
+// 2000, Annals of Statistics 28:40, in discrete time). k thus also changes by components with a few
+// data. Given a, each part is reversible with respect to the posterior π, so
 //
 //   ln ratio = ln q(s' → s; a, reverse order) - ln q(s → s'; a, order)
 //            + ln p(a | s') - ln p(a | s)     = ln π(s) - ln π(s'),
 //
-// which cancels the target's but for a bias between models that tuning may have added. A step is
-// several sweeps, whose path has the same ratio: the likelihood is called for the last alone.
+// which cancels the ratio of the target, except for a bias between models that tuning may have added. A
+// step of several sweeps has the same ratio. The engine evaluates the likelihood after the last sweep only.
 class MixtureGibbs : public Move {
  public:
-  /// What it did, in likelihood evaluations: densities computed, over those of one call.
+  /// Work of the move in likelihood evaluations: computed densities / densities of one evaluation.
   struct Work {
     std::atomic<long> steps = 0;
     std::atomic<double> calls = 0.0;
@@ -128,7 +128,7 @@ class MixtureGibbs : public Move {
   MixtureGibbs(std::vector<double> y, std::shared_ptr<Work> work)
       : y_(std::move(y)), work_(std::move(work)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
-    if (step.beta != 1.0) return std::nullopt;  // the conditionals are the posterior's
+    if (step.beta != 1.0) return std::nullopt;  // the conditional distributions are those of the posterior
     const ModelSpace& space = step.target.space();
     random_ = &step.random;
     beta_ = from.x[0];
@@ -187,8 +187,8 @@ class MixtureGibbs : public Move {
     }
   }
 
-  // Densities of all, and their sums. False where a sum is no number: such a place is impossible
-  // on the way back, too.
+  // Computes all densities and their sums. Returns false if a sum is 0 or not finite: the reverse
+  // move could not start from such a state either.
   bool refresh() {
     if (!stale_) return true;
     for (Component& c : components_) compute_density(c);
@@ -316,8 +316,8 @@ class MixtureGibbs : public Move {
   base::Random* random_ = nullptr;
   double beta_ = 0.0;
   std::vector<Component> components_;
-  bool stale_ = true;                   // densities and sums_ are not of these components
-  std::vector<double> sums_, changed_;  // of all densities at each y
+  bool stale_ = true;                   // true: densities and sums_ belong to earlier components
+  std::vector<double> sums_, changed_;  // sums of all densities at each y
   double calls_ = 0.0;
   std::shared_ptr<Work> work_;
 };
@@ -362,7 +362,7 @@ void galaxies(benchmark::State& state) {
     }
     worst.report(state);
     const ChainsOf k = of_models(posterior, [](int m) { return static_cast<double>(m); });
-    // What the move computes beside the likelihoods that the engine calls for it counts, too.
+    // The densities that the move itself computes count as likelihood evaluations, too.
     double calls = calls_after_warmup(posterior);
     for (const MoveStatistics& move : posterior.moves) {
       if (move.name == "telescoping Gibbs")
@@ -381,8 +381,8 @@ BENCHMARK(galaxies)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
 
-// As hald_problem, with ten correlated regressors, simulated. Of a subset of p with coefficient of
-// determination R² and g = n,
+// Like hald_problem, with ten simulated correlated regressors. For a subset of p regressors with
+// the coefficient of determination R², and g = n,
 //   Z ∝ (1 + g)^((n-1-p)/2) / (1 + g (1 - R²))^((n-1)/2)          (Liang et al. 2008, equation 6).
 void subsets_of_ten(benchmark::State& state) {
   constexpr int kRegressors = 10, kRows = 60, kSubsets = 1 << kRegressors;
@@ -455,7 +455,7 @@ void subsets_of_ten(benchmark::State& state) {
 }
 BENCHMARK(subsets_of_ten)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-// The data say nothing: the counts must come back flat.
+// The data have no information: the posterior of the counts must be uniform.
 void flat_counts(benchmark::State& state) {
   class Nothing : public Likelihood {
    public:

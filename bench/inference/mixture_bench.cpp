@@ -1,9 +1,9 @@
-// A pass of expectation-maximisation over a mixture's samples, in each instruction set that this
-// processor runs: what most of a run's warm-up is spent on where likelihoods are cheap.
+// Run time of a pass of expectation-maximisation over the samples of a mixture, for each instruction
+// set of this processor. If likelihoods are cheap, such passes take most of the warm-up time.
 //
-// `component_s` are densities and moments of one component at one sample, per second. Every set
-// gives the same bits, so their ratio within one run is all that there is to compare; registers of
-// twice the width bring at most twice.
+// `component_s` is the number of densities and moments of one component at one sample per second.
+// All instruction sets give bitwise equal results, so only the ratio of their rates within one run
+// matters. Registers of twice the width can at most double the rate.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -19,7 +19,7 @@ namespace {
 constexpr int kComponents = 64;
 constexpr std::size_t kSamples = 4000;
 
-// Components whose samples reach into each other, as those of a curved ridge do.
+// Components with overlapping samples, like the components of a curved ridge.
 std::vector<NormalMixture::Component> overlapping(int d, base::Random& random) {
   std::vector<NormalMixture::Component> out;
   for (int k = 0; k < kComponents; ++k) {

@@ -1,8 +1,8 @@
-// What the sampler costs beside its likelihood, and how much one likelihood evaluation buys.
+// Run time of the sampler without its likelihood, and effective draws per likelihood evaluation.
 //
 // Counters: ess_k and ess_left are effective draws of the model index and of "the first damage lies
 // in the left half", per million likelihood evaluations after warm-up and per second of the whole
-// run, warm-up included; warmup_calls is what the pilots cost.
+// run with warm-up. The counter warmup_calls is the number of likelihood evaluations of the warm-up.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -35,7 +35,7 @@ fem::Beam beam() {
           fem::section(fem::Rectangle{0.025, 0.006}, 0.3)};
 }
 
-// Gaussian frequencies around whatever `predict` fills in.
+// Likelihood of frequencies with Gaussian errors about the frequencies from `predict`.
 template <typename Predictor>
 class Frequencies : public Likelihood {
  public:
@@ -114,8 +114,8 @@ void beam_by_reanalysis(benchmark::State& state) {
 }
 BENCHMARK(beam_by_reanalysis)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-// The same from a table with every element as a site and seven multipliers: the likelihood is then
-// cheap and the sampler's own cost shows.
+// The same problem with a table of every element as a site and seven multipliers. The likelihood is
+// then cheap, so the sampler itself takes most of the run time.
 void beam_by_table(benchmark::State& state) {
   const fem::Beam b = beam();
   const fem::Reanalysis reanalysis(b, static_cast<int>(kFrequencies.size()));
@@ -167,8 +167,8 @@ void beam_by_table(benchmark::State& state) {
 }
 BENCHMARK(beam_by_table)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-// Linear against Duffing on 300 samples of displacement, the case of the validation set with other
-// noise.
+// Linear against Duffing oscillator on 300 samples of displacement: the case of the validation set
+// with other noise.
 void duffing(benchmark::State& state) {
   namespace dyn = dynamics;
   constexpr double kNoise = 0.05;
@@ -213,8 +213,8 @@ void duffing(benchmark::State& state) {
 }
 BENCHMARK(duffing)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-// Change points in the coal-mining disasters (Green 1995), the data beside the checkout: components
-// without residuals, so that only the prior and the pilots propose them.
+// Change points in the coal-mining disasters (Green 1995); the data are beside the checkout. The
+// components have no residuals, so only the prior and the pilots propose them.
 void coal(benchmark::State& state) {
   const std::vector<double> days = coal_days();
   if (days.empty()) {
@@ -227,7 +227,7 @@ void coal(benchmark::State& state) {
 }
 BENCHMARK(coal)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-// Six parameters and a likelihood of a few nanoseconds: what is left is the sampler.
+// Six parameters and a likelihood of a few nanoseconds: the sampler takes nearly all time.
 void overhead_of_six_parameters(benchmark::State& state) {
   class Cheap : public Likelihood {
    public:
@@ -249,7 +249,7 @@ void overhead_of_six_parameters(benchmark::State& state) {
       .likelihood = [] { return std::make_unique<Cheap>(); }};
   constexpr int kDraws = 400000;
   for (auto _ : state) {
-    // Twice the draws less once the draws: warm-up cancels.
+    // The difference between runs of 2n and n draws does not contain the warm-up.
     const auto seconds = [&](int draws) {
       return reversible_jump(problem, {.chains = 1, .threads = 1, .draws = draws, .thin = 1})
           .wall_seconds;

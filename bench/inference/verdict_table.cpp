@@ -1,5 +1,5 @@
-// What the engine makes of the problems with known answers, as a Markdown table; each line when it
-// is done.
+// Prints the results of the engine for problems with known answers as a Markdown table, each line
+// as soon as its runs end.
 //
 //   verdict_table [--seeds N] [--filter TEXT] [--family NAME] [--study]
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
-// What identifying modes with their covariance costs: modal_bench [THREADS]. A chain of masses
-// under white forces, a sensor each, orders to 80.
+// Run time and memory of the identification of modes with their covariance: modal_bench [THREADS]. The
+// structure is a chain of masses under white forces with one sensor per mass; the largest model order is 80.
 #include <sys/resource.h>
 
 #include <chrono>

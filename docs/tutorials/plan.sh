@@ -45,5 +45,5 @@ wheeltap damage results/plan/damage.json -o results/rehearsal --seed 1 --quiet \
 # %% [markdown]
 # The identification finds one damage near its true location. For the smallest detectable damage, it may find no damage.
 #
-# After your test, delete the key `truth`, and replace the keys of `data` by the modes of the record. The page on
-# [test planning](../planning.md) describes the keys, the method and its limits.
+# After your test, delete the key `truth`. In `data`, keep only `sensors`, and add the modes of the record with `from`.
+# The page on [test planning](../planning.md) describes the keys, the method and its limits.

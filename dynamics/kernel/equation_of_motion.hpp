@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
-/// threshold, i = 0, 1, ….
+/// Calls visit(i, link, stiffness, threshold, side) for the i-th force law (i = 0, 1, …) among the
+/// springs beyond a threshold.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;
@@ -122,9 +122,9 @@ class EquationOfMotion {
   WHEELTAP_INLINE V apply(Law, const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
     const V* c = c_ + term.slot;
     if constexpr (Law::kInfo.memory) {
-      static_assert(
-          !Law::kInfo.one_sided && Law::kInfo.paced,
-          "only PacedRungeKutta integrates internal states of laws, and only of two-sided ones");
+      static_assert(!Law::kInfo.one_sided && Law::kInfo.paced,
+                    "only PacedRungeKutta integrates internal states of laws, and only those of "
+                    "two-sided laws");
       q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
       return Law::tension(c, e, rate, q[term.memory]);
     } else if constexpr (Law::kInfo.one_sided) {

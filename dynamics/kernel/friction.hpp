@@ -109,8 +109,8 @@ class Friction {
   /// the factorisation.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
-  /// Determines the state of the links at rest for accelerations without friction, and removes the
-  /// residual rates of sticking links from the velocities.
+  /// Determines the state of the links at rest from the accelerations without friction. Also
+  /// removes the residual rates of sticking links from the velocities.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();

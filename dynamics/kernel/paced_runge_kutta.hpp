@@ -77,8 +77,8 @@ class PacedRungeKutta {
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Product of rate and step above which the scheme is unstable; the limit is 2.79 on the real
-  /// axis.
+  /// Product of rate and step above which the scheme counts as unstable (exact limit on the real
+  /// axis: 2.79).
   static constexpr double kUnstable = 2.5;
   /// Largest number of friction events in a sample. After this number, links keep their state (slip
   /// or stick) until the end of the sample.
@@ -139,7 +139,7 @@ class PacedRungeKutta {
     V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample interval
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
-        V fast{};  // above the bound within a sample: smaller steps cannot help
+        V fast{};  // 1 if a motion exceeds the bound within a sample: smaller steps cannot help
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i)
           fast = lanes::max(fast, outside(x.v[i] * task_.step, task_.bound));

@@ -20,7 +20,7 @@ struct Bilinear {
                          .unit = "N/m",
                          .role = factor_of(1),
                          .symbol = "kb",
-                         .words = "the stiffness added on its side",
+                         .words = "the stiffness added on one side",
                          .example = 1500.0}}},
       .one_sided = true};
 

@@ -18,18 +18,20 @@ struct BoucWen {
   static constexpr LawInfo kInfo{
       .name = "bouc_wen",
       .formula = "T = kh y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
-      .description = "smooth hysteresis, elastic with stiffness kh before it yields at about e = y",
+      .description =
+          "smooth hysteresis, elastic with stiffness kh before the link yields at about e = y",
       .notes =
-          "z is an internal state: the tension depends on the history of the link. With beta + "
+          "z is an internal state, so the tension depends on the history of the link. With beta + "
           "gamma = 1, as by default, the plateau is T = kh y. With beta = gamma, the link unloads "
-          "with the stiffness kh, like dry friction in series with a spring; with beta > gamma, it "
-          "unloads more steeply. beta + gamma must be positive. The loop dissipates energy for "
+          "with the stiffness kh, like dry friction in series with a spring; with beta > gamma, "
+          "the link unloads more steeply. beta + gamma must be positive. The loop dissipates "
+          "energy for "
           "-beta <= gamma <= beta.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
                          .symbol = "kh",
-                         .words = "the stiffness before it yields",
+                         .words = "the stiffness before yielding",
                          .example = 2000.0},
                         {.name = "yield",
                          .unit = "m",
@@ -37,7 +39,7 @@ struct BoucWen {
                          .lower = 0.0,
                          .above_lower = true,
                          .symbol = "y",
-                         .words = "the extension at which it yields",
+                         .words = "the extension at which the link yields",
                          .example = 0.002},
                         {.name = "exponent",
                          .unit = "1",

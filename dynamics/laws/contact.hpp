@@ -13,9 +13,9 @@ struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact",
       .formula = "opening: T = kc max(0, e - g); closing: T = kc min(0, e + g)",
-      .description = "a stop at distance g, as behind a backlash",
+      .description = "a stop that acts after a gap g (backlash)",
       .notes =
-          "Two of them in a list, one for each side, form a gap between two stops: "
+          "A list of two contacts, one for each side, forms a gap between two stops: "
           "`[{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"opening\"}, "
           "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is measured "
           "from e = 0, and the force has no jump. If the motion never reaches the stop, the record "

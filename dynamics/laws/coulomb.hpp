@@ -24,11 +24,12 @@ struct Coulomb {
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
-          "A number or name alone gives the force of the exact law: in stick the tension takes the "
-          "value up to F that keeps ė = 0, and each transition is located in time. A velocity "
-          "regularises the law: for |ė| < v it is a damper F/v, so that the link creeps where it "
-          "should stick, and a small v requires small steps. Use it only to reproduce work with "
-          "the regularised law.",
+          "A number or name alone is the force F of the exact law. In stick, the tension takes the "
+          "value between -F and F that keeps ė = 0. Wheeltap locates each transition in time. A "
+          "`velocity` v regularises the law: for |ė| < v, the law is a damper F/v, so that the "
+          "link "
+          "creeps where it should stick. A small v requires small time steps. Use `velocity` only "
+          "to reproduce work with the regularised law.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
                          .role = factor_of(0),

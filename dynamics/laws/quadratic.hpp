@@ -13,8 +13,8 @@ struct Quadratic {
                                  .formula = "T = k2 e^2",
                                  .description = "the even part of an asymmetric spring",
                                  .notes =
-                                     "Alone, it has the same sign on both sides, so combine it "
-                                     "with a `stiffness` or a cubic.",
+                                     "This tension has the same sign on both sides, so combine "
+                                     "the law with a `stiffness` or a cubic.",
                                  .coefficients = {{{.name = "stiffness",
                                                     .unit = "N/m^2",
                                                     .role = factor_of(2),

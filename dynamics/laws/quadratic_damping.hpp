@@ -12,7 +12,7 @@ struct QuadraticDamping {
                                  .formula = "T = c2 ė |ė|",
                                  .description = "drag of a fluid",
                                  .notes =
-                                     "It opposes motion in both directions. The link's own "
+                                     "The law opposes motion in both directions. The link's own "
                                      "`damping` is the part that is linear in ė.",
                                  .coefficients = {{{.name = "damping",
                                                     .unit = "N s^2/m^2",

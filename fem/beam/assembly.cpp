@@ -9,7 +9,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// One restrained motion: by a spring, or rigidly if the stiffness is infinite.
+/// A motion that is restrained by a spring, or rigidly if the stiffness is infinite.
 struct Hold {
   double at;
   bool rotation;

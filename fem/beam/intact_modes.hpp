@@ -15,7 +15,7 @@ struct IntactModes {
   int wanted;                       // largest number of modes that a caller can request
   int modes;                        // number n of all modes of the mesh
   int rigid;                        // number of modes at λ = 0
-  std::size_t stride;               // n, and at least two
+  std::size_t stride;               // n, but at least two
   std::vector<double> eigenvalues;  // stride
   int stiff;  // first mode that bends the beam; earlier modes only deform the springs
   std::vector<double> scales;  // s_j: λ_j; for rigid-body modes, the eigenvalue of mode `stiff`

@@ -177,7 +177,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
   for (std::size_t i = rigid; i < count; ++i) {
     WidePencil::Vector q = starts[i];
     auto lambda = pencil.refine(q);
-    // Mixtures of close modes may all converge to one mode: then excludes the modes found so far.
+    // If mixtures of close modes converge to one mode, excludes the modes found so far.
     std::vector<WidePencil::Vector> close;
     if (lambda) {
       const WidePencil::Vector momentum = pencil.assembly().mass * q;

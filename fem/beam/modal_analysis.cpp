@@ -132,7 +132,7 @@ Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOption
           vectors ? "bisection (Spectra missed a mode)" : "bisection (Spectra did not converge)";
   } else {
     lowest = finish(pencil, widened(dense_vectors(a, kShift).leftCols(options.modes)));
-    solver = options.dense ? "dense (requested)" : "dense (most modes of the mesh are wanted)";
+    solver = options.dense ? "dense (requested)" : "dense (most modes of the mesh are requested)";
     if (!lowest || !lowest->proven) solver = "bisection (the dense solver missed a mode)";
   }
   if (!lowest || !lowest->proven) lowest = lowest_modes(beam, defects, options.modes, pencil);

@@ -23,10 +23,10 @@ namespace wheeltap::fem {
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
 /// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
-/// Chebyshev series for the modes far above the requested modes. From a first-order start, a root
-/// needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements.
-/// A start from the root of a previous call, for example in a Markov chain, would save little time,
-/// and the results would depend on earlier calls.
+/// Chebyshev series for the modes far above the requested modes. From a first-order initial value,
+/// a root needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged
+/// elements. An initial value from a previous call, for example in a Markov chain, would save
+/// little time, and the results would depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object, each
 /// thread with its own workspace.

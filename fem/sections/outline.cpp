@@ -146,7 +146,7 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
     if (same && ((s.index + 1) % s.count == t.index || (t.index + 1) % t.count == s.index)) return;
     if (!meet(s.a, s.b, t.a, t.b)) return;
     const std::string edges = "the edge from " + text(s.a) + " to " + text(s.b) +
-                              " meets that from " + text(t.a) + " to " + text(t.b);
+                              " meets the edge from " + text(t.a) + " to " + text(t.b);
     if (same) refuse_outline(names[s.ring], "crosses or touches itself: " + edges);
     const auto [low, high] = std::minmax(s.ring, t.ring);
     refuse_outline(names[high],
@@ -217,7 +217,8 @@ void refuse_overlap(const Outline& outline) {
     if (p != q && cross_properly(s.a, s.b, t.a, t.b, near))
       refuse_outline({std::max(p, q)}, "overlaps " + text(OutlinePlace{std::min(p, q)}) +
                                            ": the edge from " + text(s.a) + " to " + text(s.b) +
-                                           " crosses that from " + text(t.a) + " to " + text(t.b));
+                                           " crosses the edge from " + text(t.a) + " to " +
+                                           text(t.b));
   });
   for (std::size_t p = 0; p < outline.regions.size(); ++p)
     for (std::size_t q = 0; q < outline.regions.size(); ++q) {
@@ -263,7 +264,7 @@ bool contains(std::span<const Point> ring, const Point& point) {
 Outline checked(const Outline& outline) {
   using Part = OutlinePlace::Part;
   if (outline.regions.empty())
-    throw std::invalid_argument("regions: there are none: a section has at least 1");
+    throw std::invalid_argument("regions: there are none, but a section has at least 1");
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
     refuse_infinite(outline.regions[r].outer, {r, Part::outer});
     for (std::size_t h = 0; h < outline.regions[r].holes.size(); ++h)

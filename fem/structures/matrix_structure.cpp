@@ -30,8 +30,8 @@ void validate_matrix(const Discretisation::Sparse& a, Eigen::Index n, const std:
   for (int k = 0; k < difference.outerSize(); ++k)
     for (Discretisation::Sparse::InnerIterator it(difference, k); it; ++it)
       if (std::abs(it.value()) > kSymmetric * largest)
-        refuse("is not symmetric: entries (" + std::to_string(it.row() + 1) + ", " +
-               std::to_string(it.col() + 1) + ") and its mirror differ by " +
+        refuse("is not symmetric: entry (" + std::to_string(it.row() + 1) + ", " +
+               std::to_string(it.col() + 1) + ") and its mirror entry differ by " +
                std::to_string(std::abs(it.value())));
 }
 

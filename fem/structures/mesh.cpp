@@ -98,7 +98,7 @@ SparseRow Mesh::motion(int member, double s, const Vector3& wanted, bool rotatio
     for (std::size_t g = 0; g < 3; ++g)
       sum.add(factor * frame.axes[own][g], global[(about ? 3 : 0) + g]);
   };
-  // Motions along and about the member's x: linear interpolation; others: the shape functions.
+  // Motions along and about the member's x axis are linear; the shape functions give the others.
   const double x = dot(wanted, frame.axes[0]);
   add(x * (1.0 - xi), 0, 0, rotation);
   add(x * xi, 1, 0, rotation);

@@ -16,8 +16,8 @@ namespace wheeltap::fem {
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Returns the flexural properties of an element of this length in one plane of the section: for a
-/// deflection along z with bending about y, or for a deflection along y with bending about z.
+/// Returns the flexural properties of an element of this length. If `along_z` is true, they are for
+/// a deflection along z with bending about y; otherwise, along y with bending about z.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 

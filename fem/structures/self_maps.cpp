@@ -39,8 +39,8 @@ class MapSearch {
   }
   [[nodiscard]] bool same(double a, double b) const { return std::abs(a - b) <= tolerance_; }
 
-  // Chooses nodes that span the structure together with the centroid. The distance of the first
-  // node from the centroid is that of the fewest nodes.
+  // Chooses nodes that span the structure together with the centroid. The first node has a distance
+  // from the centroid that the fewest nodes have.
   void choose_references() {
     std::optional<int> first;
     std::ptrdiff_t fewest = 0;

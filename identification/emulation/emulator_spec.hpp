@@ -28,11 +28,11 @@ struct EmulatorSpec {
   bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
   std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
   std::optional<emulator::Additive>
-      /// Quantity in which ANOVA adds the effects of pairs of damages; empty: one table per count
+      /// Quantity in which ANOVA adds the effects of damages; empty: no ANOVA, one table per count
       anova;
   std::vector<int>
-      /// Scattered designs: number of runs for i + 1 damages; the last entry is for all larger
-      /// counts
+      /// For scattered designs: entry i is the number of runs for i + 1 damages. The last
+      /// entry also applies to all larger counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of scattered designs
   std::vector<std::filesystem::path> csv;  ///< runs of the user: file i has runs with i + 1 damages
@@ -41,7 +41,7 @@ struct EmulatorSpec {
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
   int holdout = 1000;  ///< number of holdout FE runs that measure the error
 
-  /// Number of tables for up to `max_count` damages: one per count; with ANOVA at most two.
+  /// Number of tables for up to `max_count` damages: one per count, or at most two with ANOVA.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 

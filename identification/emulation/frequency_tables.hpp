@@ -21,7 +21,7 @@ namespace wheeltap::identification {
 [[nodiscard]] std::string table_name(int count);
 
 /// The stored training data of an emulator. Table factors: location_1 [m], reduction_1, location_2
-/// …; responses: elastic frequencies [Hz]; attribute "interpolation": name of the interpolant.
+/// …. Responses: elastic frequencies [Hz]. Attribute "interpolation": name of the interpolant.
 struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< table i is for i + 1 damages
   /// Entry i is for i + 1 damages. With ANOVA, there are more entries than tables
@@ -32,8 +32,8 @@ struct FrequencyTables {
   std::optional<emulator::Additive> anova;
 };
 
-/// Reads a table file that was computed for this beam, up to `max_count` damages. Throws
-/// io::FileError; throws std::invalid_argument if the file has too few counts or modes.
+/// Reads the tables for up to `max_count` damages from a file that was computed for this beam.
+/// Throws io::FileError; throws std::invalid_argument if the file has too few counts or modes.
 [[nodiscard]] FrequencyTables read_frequency_tables(const std::filesystem::path& path,
                                                     const fem::Beam& beam, int max_count,
                                                     int modes);

@@ -26,9 +26,9 @@ struct OutsideEmulatorSpec {
 };
 
 /// One Gaussian process per response. The box ends at the bounds of each prior's support. Where the
-/// support is unbounded, it ends at the quantiles z = ±4. Positive unknowns whose range covers more
-/// than a decade are used as logarithms. The error variance is the process variance times a factor
-/// >= 1 that is calibrated on the holdout runs (emulator_error.hpp).
+/// support is unbounded, the box ends at the quantiles z = ±4. Positive unknowns whose range covers
+/// more than a decade are used as logarithms. The error variance is the process variance times a
+/// factor >= 1 that is calibrated on the holdout runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
   /// Runs the model at the points of the training design and of the holdout design, on `threads`

@@ -9,7 +9,7 @@ namespace wheeltap::identification {
 
 struct OutsidePredictor {
   std::shared_ptr<OutsideModel> model;
-  /// Emulator of the model; empty: predictions come from the model itself
+  /// Emulator of the model; if empty, predictions come from the model itself
   std::shared_ptr<const OutsideEmulator> emulator = {};
 
   /// Computes all responses and their error variances: with the emulator if x is in its box,

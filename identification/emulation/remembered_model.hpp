@@ -26,8 +26,8 @@ class RememberedModel final : public OutsideModel {
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws io::FileError and the exceptions of the model. The message of the latter also states
-  /// the number of stored results.
+  /// Throws io::FileError and the exceptions of the model. The message of a model exception also
+  /// states the number of stored results.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;

@@ -15,7 +15,7 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Prediction of the parameter in a further window of equal length, from an unused record.
+  /// Prediction of the parameter in another window of equal length, from a record not used here.
   Interval next;
   /// Estimate of the limit that a fit of the whole record approaches as the record becomes longer.
   /// The mean is the best estimate from this record; the standard deviation is its standard error,
@@ -26,8 +26,8 @@ struct BetweenWindows {
   /// standard deviations within windows; with its p-value.
   inference::BirgeRatio scatter;
   /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run
-  /// assumes that the residuals follow the likelihood. It is then too narrow for the variability
-  /// between windows.
+  /// assumes that the residuals follow the likelihood. This interval is then too narrow for the
+  /// variability between windows.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit
   /// failed.

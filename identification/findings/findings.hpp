@@ -22,7 +22,7 @@ namespace wheeltap::identification {
 /// A parameter of a model, identified by its position in the model.
 struct Unknown {
   std::string name;  ///< name of the parameter: "location", "k"
-  /// "location[1]"; the name of the kind precedes it if two kinds share the label
+  /// Label, for example "location[1]"; begins with the kind's name if two kinds share it
   std::string label;
   /// Kind of the component with this parameter; -1: a parameter of the model itself
   int kind = -1;
@@ -42,10 +42,10 @@ struct Unknown {
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
-  /// Results by windows, if windows were requested
+  /// Results per window, if windows were requested
   std::optional<BetweenWindows> between_windows = {};
   /// The overlap of posterior and prior, Σ min(posterior, prior) over 20 equally probable parts of
-  /// the prior: 1 if they are equal. NaN if not computed.
+  /// the prior: 1 if posterior and prior are equal. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
   /// True if the posterior nearly equals the prior.
@@ -117,8 +117,8 @@ struct Findings {
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// Largest number of models that are all reported in full. In a longer list, only models with a
-/// probability of at least kWorthFull are reported in full.
+/// Up to this number of models, every model is reported in full. In a longer list, only models
+/// with a probability of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);

@@ -18,8 +18,8 @@ struct Unexplained {
   double r2;
 };
 /// Reason of a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
-/// the stated noise (predictive p). The residual is also not small: it is above `kSmallResidual` of
-/// the response's RMS, or above three times the residual of a chain of masses with free cubic
+/// the stated noise (predictive p). The residual is also not small: it exceeds `kSmallResidual`
+/// times the response's RMS, or three times the residual of a chain of masses with free cubic
 /// springs.
 struct NotNoise {
   std::string channel;
@@ -46,7 +46,7 @@ struct BeyondNoise {
   bool chains_agree = true;
 };
 /// Reason of a misfit: predicted and measured frequencies differ by less than the stated noise
-/// allows.
+/// implies.
 struct WithinNoise {
   double p;   ///< posterior predictive p
   double cv;  ///< stated coefficient of variation; NaN if it differs between modes
@@ -58,8 +58,8 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 
 /// Limit of posterior predictive p and portmanteau p-values. Smaller values reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Upper limit of a small residual, divided by the response. The text reports smaller residuals
-/// that are not noise; the heading does not.
+/// Upper limit of a small residual, divided by the response. The text of the report mentions
+/// smaller residuals that are not noise; its heading does not.
 inline constexpr double kSmallResidual = 0.05;
 /// Limit of a residual, divided by the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;

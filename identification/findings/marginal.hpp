@@ -18,7 +18,7 @@ struct Marginal {
   double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
   double q50 = 0.0;
   double q97_5 = 0.0;
-  /// Midpoint of the histogram bin with most draws, by Freedman & Diaconis (1981)
+  /// Midpoint of the histogram bin with most draws; bin width by Freedman & Diaconis (1981)
   double mode = 0.0;
   double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
 

@@ -69,7 +69,7 @@ struct DeepSection {
 struct TwinMembers {
   std::string first, second, from, to;
 };
-/// Nodes joined by neither a member nor a spring.
+/// Nodes to which no member and no spring is attached.
 struct UnusedNodes {
   std::vector<std::string> nodes = {};
 };
@@ -96,8 +96,8 @@ struct SensorsAtOnePlace {
 
 // ---- damages ------------------------------------------------------------------------------
 
-/// Measured frequencies outside the range that damages of the prior can produce. `ratio` is the
-/// median over the modes of the measured frequency divided by the nearest predicted frequency.
+/// Measured frequencies outside the range of damages drawn from the prior. `ratio` is the
+/// measured frequency divided by the nearest predicted frequency (median over the modes).
 struct FrequenciesOutOfReach {
   double ratio;
   /// Measured frequency of mode `mode`, and its predicted range [Hz]
@@ -111,8 +111,8 @@ struct NoiseHidesDamage {
   double cv, effect;
 };
 
-/// A damage and its mirror image are equally probable. If their probabilities differ, the emulator
-/// causes the difference.
+/// The exact probabilities of a damage and its mirror image are equal. Only the error of an
+/// emulator can make them differ.
 struct MirrorImages {
   bool emulated;
 };
@@ -132,7 +132,7 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
-/// A model has no fewer unknowns than data, and no simpler model has a notable probability.
+/// A model has at least as many unknowns as data, and no simpler model has a notable probability.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
@@ -157,8 +157,8 @@ struct CannotExclude {
   int unknowns, frequencies;
   std::vector<Hidden> hidden;
 };
-/// The posterior predictive p is below 0.005, although FitVerdict finds the data explained. `off`:
-/// modes (from 1) whose frequencies deviate by more than 3 sd.
+/// The posterior predictive p is below 0.005, although FitVerdict counts the data as explained.
+/// `off`: modes (from 1) whose frequencies deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// `factor`: RMS of the residuals of a channel divided by the stated noise. They differ.
+/// The stated noise of a channel is wrong. The RMS of the residuals is `factor` times this noise.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -300,8 +300,8 @@ struct ColouredResiduals {
   std::vector<Channel> channels;
   std::vector<std::string> others = {};
 };
-/// The credible intervals in the windows imply a scatter of the estimates between windows. The
-/// actual standard deviation between windows is `factor` times larger.
+/// The credible intervals in the windows imply a standard deviation of the estimates between
+/// windows. The actual standard deviation is `factor` times the implied one.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -349,7 +349,7 @@ struct SpuriousMode {
 
 }  // namespace remark
 
-/// Probability from which a spurious mode is reported.
+/// Smallest probability at which a spurious mode is reported.
 inline constexpr double kSpurious = 0.05;
 
 /// The alternatives of a remark.
@@ -370,9 +370,9 @@ using RemarkVariant =
                  remark::ScatterBetweenWindows, remark::WindowsUnsound,
                  remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
 
-/// A remark on a result. std::visit, std::get_if and std::holds_alternative accept a Remark like
-/// the variant. Copies, moves and the destructor are compiled once, in remarks.cpp, because their
-/// compilation takes seconds.
+/// A remark on a result. std::visit, std::get_if and std::holds_alternative accept a Remark as
+/// they accept the variant. Copies, moves and the destructor are compiled once, in remarks.cpp,
+/// because their compilation takes seconds.
 struct Remark : RemarkVariant {
   using RemarkVariant::RemarkVariant;
   Remark(const Remark& other);

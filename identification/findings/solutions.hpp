@@ -39,7 +39,7 @@ struct SeparateSolutions {
   Eigen::MatrixXd covariance_within = {};
 };
 
-/// Finds the solutions of a model that has parameters only, no components.
+/// Finds the solutions of a model that has only parameters and no components.
 [[nodiscard]] SeparateSolutions separate_solutions(const inference::Posterior& posterior,
                                                    int model);
 

@@ -49,14 +49,14 @@ struct BandLines {
 ///
 /// Parameters θ:
 /// - frequency f and damping ratio ζ of each mode;
-/// - n - 1 numbers b per mode: the shape is u + T b, scaled to unit length, where u is the
-///   direction of the spectral matrix at the mode's peak and T its orthogonal complement;
+/// - n - 1 numbers b per mode: the shape is u + T b, scaled to unit length; u is the dominant
+///   eigenvector of the spectral matrix at the mode's peak, T a basis orthogonal to u;
 /// - the diagonal of S;
 /// - the coherences of S: a lower triangle with unit diagonal, each row scaled to unit length;
 /// - S_e.
 ///
-/// Priors: f uniform in the band, ζ log-uniform on [1e-4, 0.2], b standard normal, the scales of S
-/// and S_e log-uniform over ten decades, entries of the triangle standard normal.
+/// Priors: f uniform in the band, ζ log-uniform on [1e-4, 0.2], b standard normal, S_e and the
+/// diagonal of S log-uniform over ten decades, entries of the triangle standard normal.
 class BandProblem {
  public:
   static constexpr int kFewestLines = 20;
@@ -72,7 +72,7 @@ class BandProblem {
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The problem for the engine of inference/, with one model. It refers to this object.
+  /// The problem for the engine of inference/, with one model. It holds a reference to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:
@@ -87,11 +87,11 @@ class BandProblem {
 /// Summary of the posterior of a band's modes.
 struct BayesianBand {
   Eigen::VectorXd frequencies_hz, damping;  ///< posterior means
-  /// Covariance of all frequencies, then all damping ratios
+  /// Joint covariance: first all frequencies, then all damping ratios
   Eigen::MatrixXd covariance;
   /// Posterior mean shapes, n × m, with the largest entry 1
   Eigen::MatrixXd shapes;
-  /// Covariance of each shape with the largest entry 1, n × n
+  /// n × n covariance of each shape in `shapes`
   std::vector<Eigen::MatrixXd> shape_covariances;
   bool converged = false;
   std::vector<std::string> not_established = {};
@@ -110,7 +110,7 @@ struct BayesianBandOptions {
                                          double sample_rate_hz, const ModalBand& band,
                                          const BayesianBandOptions& options = {});
 
-/// Identifies all bands in turn; the modes are sorted by frequency. Modes of different bands are
+/// Identifies all bands in turn and sorts the modes by frequency. Modes of different bands are
 /// independent. Throws the exceptions of `band_lines` and BandProblem with the number of the band
 /// (from 0), and std::invalid_argument for bands that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,

@@ -10,9 +10,9 @@ namespace wheeltap::identification {
 ///
 ///   θ = ½ arg Σ ψ_k²,   dy = Re(e^{-iθ} dψ) + dθ Im(e^{-iθ} ψ),   dθ = Im(Σ ψ_k dψ_k / Σ ψ_k²).
 ///
-/// Only the direction ŷ is measured. With C the covariance of y, its covariance is P C P + s² ŷŷᵀ,
-/// P = I - ŷŷᵀ, with s² the mean variance on the tangent plane. P removes any effect of the scale
-/// that was chosen for ψ.
+/// The data determine only the direction ŷ. Its covariance is P C P + s² ŷŷᵀ, with P = I - ŷŷᵀ, C
+/// the covariance of y, and s² the mean variance on the tangent plane. P removes any effect of the
+/// scale that was chosen for ψ.
 struct RealShape {
   Eigen::VectorXd values = {};      ///< entries of the shape; the largest entry is ±1
   Eigen::MatrixXd covariance = {};  ///< m × m, positive definite
@@ -20,8 +20,8 @@ struct RealShape {
   bool correlated = true;           ///< false if `real_shape` omitted the correlations
 };
 
-/// Converts a shape ψ. `covariance` (2m × 2m) is that of the unscaled ψ: first all real parts, then
-/// all imaginary parts.
+/// Converts a shape ψ. `covariance` (2m × 2m) is the covariance of the unscaled ψ: first all real
+/// parts, then all imaginary parts.
 ///
 /// The covariance is estimated from n = `blocks` parts of a record (0: the covariance is exact).
 /// The inverse of such an estimate is too large on average. The covariance is therefore multiplied

@@ -1,4 +1,4 @@
-// The alarm statistic and its threshold.
+// The alarm statistic S_t, a sum of likelihood ratios Λ over onsets τ, and its threshold.
 //
 //   S_t = Σ_{τ<=t} Λ_τ,t   (Shiryaev-Roberts; Shin, Ramdas & Rinaldo 2024, e-detectors)
 //
@@ -27,15 +27,15 @@ struct ReplayOptions {
   int threads = 1;
 };
 
-/// False alarms of replayed healthy series, as a function of the threshold:
+/// Rate of false alarms in replayed healthy series, as a function of the threshold A:
 ///
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = P(the maximum of ln S in a series exceeds ln A).
 ///
 /// Above the median u of the series' maxima, the excesses are assumed exponential with mean h: P(A)
-/// = 1/2 exp(-(ln A - u)/h). h is the mean excess, and at least 1, because the bound n/A of the
-/// false-alarm probability under the model does not decay faster. Below the median, P(A) is the
-/// share of maxima above ln A, interpolated between the maxima. If all maxima are above ln A, the
-/// rate is a lower bound: each series has at least one alarm.
+/// = 1/2 exp(-(ln A - u)/h). h is the mean excess, but at least 1: under the model, the bound n/A
+/// of the false-alarm probability in n rows decays with h = 1. Below the median, P(A) is the share
+/// of maxima above ln A, interpolated between the maxima. If all maxima are above ln A, the rate is
+/// a lower bound: each series has at least one alarm.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;              ///< u
@@ -66,8 +66,8 @@ struct Innovations {
 /// Innovations of the first draw's filter in rows [from, to) of the series. The coefficients are
 /// those of the trained filter. The drift begins with its stationary distribution, and lagged
 /// covariates follow from the rows before `from`, so that the rows may be anywhere in the training
-/// period. Rows whose weather is unknown (is_weather_known) are left out, if they are fewer than
-/// half.
+/// period. Rows whose weather is unknown (is_weather_known) are left out, unless they are more
+/// than half.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& series,
                                               int from, int to);
 

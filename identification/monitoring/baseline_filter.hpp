@@ -6,12 +6,12 @@
 //   s_t: Ornstein-Uhlenbeck with the time constant `slow_hours`, independent between features,
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
-// The state of feature j is the block [b_j, d_j, s_j]. The observation vector of every feature is h
-// = [phi, 1, 1]. The filter processes the entries of a row one after the other. This order is exact
-// for Gaussian noise. For Student t noise the predictive density of an entry is a normalised
-// Student t density whose squared scale is the variance of the filter. The update multiplies the
-// noise variance of the entry by (nu + v²/S)/(nu + 1): the inverse of the expected precision of the
-// scale mixture given the innovation v.
+// The state of feature j has the coefficients b_j of the covariate terms phi and the fast and slow
+// drifts d_j and s_j. Every feature has the observation vector h = [phi, 1, 1]. The filter
+// processes the entries of a row in sequence, which is exact for Gaussian noise. For Student t
+// noise, an entry has a normalised Student t predictive density whose squared scale S is the
+// filter's variance. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
+// the inverse of the expected precision of the scale mixture given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// Largest time constant of the slow drift; a shorter training period gives its own length.
+/// Time constant of the slow drift: the length of the training period, but at most this value [h].
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.
@@ -119,7 +119,7 @@ struct RowPrediction {
   return std::max(1.0, (degrees + v * v / s) / (degrees + 1.0));
 }
 
-/// h and covariance of phi for scaled covariates with the lagged values v and `slow`.
+/// Computes h and the covariance of phi from scaled covariates with lagged values v and `slow`.
 [[nodiscard]] Weather weather_at(const CovariateTerms& terms,
                                  const CovariateScaling::Scaled& scaled, const Eigen::VectorXd& v,
                                  const Eigen::VectorXd& slow);

@@ -147,7 +147,7 @@ std::span<const double> spaced_draw(const inference::Posterior& posterior, int m
     if (at < chain.size()) return chain.draw(at, *posterior.space).theta;
     at -= chain.size();
   }
-  throw std::logic_error("a posterior without draws");
+  throw std::logic_error("the posterior has no draws");
 }
 
 /// The draw with the highest posterior density.

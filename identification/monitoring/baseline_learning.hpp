@@ -7,7 +7,7 @@
 //
 // - outliers: the engine's likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
 //   residuals r of a preliminary robust fit with nu = 5. The degrees of freedom are then drawn from
-//   a grid, with the evidence of the exact filter.
+//   a grid, weighted by the evidence of the exact filter.
 // - features are independent in the engine. The correlation of their drift is estimated from the
 //   residuals and multiplied by a factor 0, 1/2 or 1, drawn with the degrees of freedom.
 // - the lag is common to all covariates; the slow drift's relative variance is common to all
@@ -28,9 +28,9 @@
 namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
-  /// Number of parameter draws kept for monitoring. 0: six, or four if all features together have
-  /// more than eighty coefficients, without those of unseen weather. At most 1000 training entries
-  /// leave the parameters uncertain: then 1000 divided by the number of coefficients, at most 24.
+  /// Number of parameter draws kept for monitoring. 0: six, or four for more than eighty
+  /// coefficients of all features (not counting unseen weather). For at most 1000 training entries:
+  /// 1000 divided by the number of coefficients, at least the default above and at most 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers are equally probable a priori
   bool hinges = true, lag = true;
@@ -41,7 +41,7 @@ struct LearningOptions {
   // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
   int engine_draws = 500, engine_warmup = 2000;  ///< numbers per Markov chain
   int searches = 1;
-  std::function<bool(double fraction)> progress = nullptr;  ///< false: stop early
+  std::function<bool(double fraction)> progress = nullptr;  ///< returns false to stop early
 };
 
 /// One parameter draw and its filter after the training rows.
@@ -92,9 +92,9 @@ void carry(Parcel& parcel, Of& b) {
 /// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
 
-/// One draw for other training rows: the nonlinear parameters maximise the evidence, by a climb
-/// that starts from the best draw of `from`; degrees of freedom and correlation are those of the
-/// first draw of `from`. Throws the exceptions of learn_baseline.
+/// One draw for other training rows. An optimiser that starts at the best draw of `from`
+/// maximises the evidence over the nonlinear parameters. Degrees of freedom and correlation are
+/// those of the first draw of `from`. Throws the exceptions of learn_baseline.
 [[nodiscard]] Baseline refit_baseline(const Series& learning, const Baseline& from,
                                       const LearningOptions& options);
 

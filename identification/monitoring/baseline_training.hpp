@@ -13,17 +13,17 @@
 
 namespace wheeltap::identification::monitoring::training {
 
-/// Learning rows, prepared for the engine.
+/// Training rows, prepared for the engine.
 struct TrainingRows {
   std::vector<double> hours = {};
   std::vector<CovariateScaling::Scaled> scaled = {};
   Eigen::MatrixXd z = {};  ///< covariates x rows: `scaled` without variances
   std::vector<FeatureRows> features = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
-  Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
+  Eigen::MatrixXd sorted = {};   ///< rows x covariates; columns sorted to find quantiles
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
-  /// Per feature: prior sd of slopes, divided by the noise sd. This sd is at least 3 feature sds.
+  /// Per feature: prior sd of slopes, divided by the noise sd
   std::vector<double> slope_scale = {};
   std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
@@ -35,8 +35,8 @@ struct TrainingRows {
   TrainingRows& operator=(const TrainingRows&) = delete;
 };
 
-/// Where the parameters of the engine's models lie: lag (if any), time constant, slow ratio, then
-/// the fast ratio of each feature, then one number a hinge: the covariate's place plus a quantile.
+/// Positions in the engine's parameter vector: lag (if any), rate of the fast drift, slow ratio,
+/// fast ratio of each feature, one number per hinge (covariate index plus a fraction for the knot).
 struct Layout {
   bool lag;
   std::size_t features;
@@ -55,8 +55,8 @@ struct Layout {
 [[nodiscard]] CovariateTerms terms_of(const TrainingRows& of, const Layout& layout,
                                       std::span<const double> x);
 
-/// phi of all rows, one column per row, without the terms of extrapolation; sets the range of
-/// lagged covariates.
+/// phi of all rows, one column per row, without the terms of unseen weather. Sets the range
+/// of lagged covariates.
 [[nodiscard]] Eigen::MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms);
 
 [[nodiscard]] ProcessRatios ratios_of(const Layout& layout, std::span<const double> x,
@@ -71,9 +71,9 @@ struct Layout {
 [[nodiscard]] double log_evidence(const TrainingRows& of, const Layout& layout,
                                   std::span<const double> x);
 
-/// Correlation of the drift from that of the one-step innovations, as a correlation matrix. An
-/// innovation holds only the part of the drift that is new since the previous row. Each correlation
-/// is therefore divided by the correlation that innovations of a completely correlated drift would
+/// Correlation matrix of the drift, estimated from that of the one-step innovations. An innovation
+/// holds only the part of the drift that is new since the previous row. Each correlation is
+/// therefore divided by the correlation that innovations of a completely correlated drift would
 /// have (innovation_correlation).
 [[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of,
                                                 const Eigen::MatrixXd& table, const Layout& layout,
@@ -85,13 +85,13 @@ struct Layout {
 [[nodiscard]] double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b,
                                             double step);
 
-/// Parameters of one draw: noise variances from their inverse gamma posteriors.
+/// Parameters of one draw, with noise variances drawn from their inverse gamma posteriors.
 [[nodiscard]] BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
                                                std::span<const double> x,
                                                const Eigen::VectorXd& reference,
                                                base::Random& random);
 
-/// Runs the full filter from its prior through the learning rows; the log evidence.
+/// Runs the full filter from its prior through the training rows; returns the log evidence.
 double run_through(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw& draw);
 
 }  // namespace wheeltap::identification::monitoring::training

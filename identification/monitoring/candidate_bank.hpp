@@ -1,12 +1,12 @@
-// The posteriors of δ of all candidate onsets (change_point.hpp), stored for vector instructions.
+// The posteriors of the shift δ for all candidate onsets (change_point.hpp), stored in SIMD layout.
 //
 // The gain k_i of entry i of a row is common to all candidates, so that the innovation of entry j
 // changes with δ by
 //
 //   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
 //
-// F_j the rows of feature j of the sensitivity of the state to δ, i the entries before it; F
-// changes after the row's last entry.
+// F_j: rows of feature j in F, the sensitivity of the state to δ; r: time profile of the
+// shift; e_j: unit vector; i: entries before j. F is updated after the row's last entry.
 #pragma once
 
 #include <concepts>
@@ -27,15 +27,15 @@ struct ShiftPosterior {
   Eigen::MatrixXd mean;                          ///< p x kSizes, all features shift
   Eigen::MatrixXd covariance;                    ///< p x (p kSizes)
   Eigen::MatrixXd single_mean, single_variance;  ///< p x kSizes: feature j alone shifts
-  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset; row 0 all
-  /// features, row 1 + j feature j alone.
+  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset; row 0:
+  /// all features shift; row 1 + j: feature j alone.
   Eigen::MatrixXd log_weight;
 };
 
 class CandidateBank {
  public:
   CandidateBank() = default;
-  /// `blocks`: BaselineParameters::block() of each draw; `prior_variance`: p x kSizes, of δ.
+  /// `blocks`: BaselineParameters::block() of each draw; `prior_variance`: of δ, p x kSizes.
   CandidateBank(const std::vector<int>& blocks, const Eigen::MatrixXd& prior_variance);
 
   /// Adds a candidate without rows. `weight`: (1 + p) x kSizes, prior probabilities of the
@@ -46,8 +46,8 @@ class CandidateBank {
   /// Number of slots, used and free.
   [[nodiscard]] int slots() const { return static_cast<int>(used_.size()); }
 
-  // One row: begin(draw), then for each present entry score and update, then finish, for one draw
-  // after the other; then weigh.
+  // Calls for one row: for each draw, begin, then score and update for each present entry, then
+  // finish. After all draws, weigh.
 
   struct RowStart {
     const Eigen::VectorXd& h;          ///< observation vector of every feature
@@ -58,17 +58,17 @@ class CandidateBank {
     std::span<const double> log_mass;  ///< ln of the mass of each slot; kExcluded: not counted
   };
   void begin(int draw, const RowStart& row);
-  /// Adds the densities of an entry of feature j, whose innovation without a shift is v, of
-  /// variance s. Returns the inflation of noise on which the candidates agree: the mean over the
-  /// inflations of their most probable hypotheses, weighted by their mass. Returns 0 if no
-  /// candidate counts.
+  /// Adds the densities of an entry of feature j. Without a shift, its innovation is v with
+  /// variance s. Returns the common noise inflation: the mean inflation of the candidates'
+  /// most probable hypotheses, weighted by the candidates' masses. Returns 0 if no candidate
+  /// counts.
   double score(int j, double v, double s);
-  /// Conditions every δ on the entry that was scored last; `gain`: of the state.
+  /// Conditions every δ on the entry that was scored last; `gain`: gain of the state.
   void update(double inflated, const Eigen::VectorXd& gain);
   void finish();
   /// Adds the row's densities to the weights of draws and hypotheses. `unshifted`: per draw, ln of
-  /// the density of the row without a shift. `share`: redistributed evenly between the draws.
-  /// Returns ln of the row's density under each slot's candidate.
+  /// the density of the row without a shift. `share`: part of the weight that is redistributed
+  /// evenly between draws. Returns ln of the row's density under each slot's candidate.
   [[nodiscard]] std::vector<double> weigh(const Eigen::VectorXd& unshifted, double share);
 
  private:
@@ -77,7 +77,7 @@ class CandidateBank {
     return {.features = static_cast<int>(prior_variance_.rows()),
             .block = blocks_[static_cast<std::size_t>(draw)]};
   }
-  /// Row `row` of the tile of a slot.
+  /// Index of row `row` in the tile of a slot.
   [[nodiscard]] static std::size_t place(int slot, int rows, int row) {
     return (static_cast<std::size_t>(slot / detail::kTile) * static_cast<std::size_t>(rows) +
             static_cast<std::size_t>(row)) *

@@ -8,8 +8,8 @@
 // A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
 // identification. The model without a change is a mixture of the baseline and of transients that
 // began at any row. A change must explain the data better than this mixture. The probability of
-// decayed transients returns to the baseline, as does, at each row, the share of transients that
-// may have ended early.
+// decayed transients returns to the baseline. At each row, the share of transients that may have
+// ended early returns, too.
 //
 // A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
@@ -24,10 +24,10 @@
 // filter without a change has a separate noise inflation, because entries after damage are outliers
 // for this filter only.
 //
-// Parameter draws are mixed with a fixed share: at each row, a fraction kShare of the weight is
-// redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its weight. Every
-// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
-// change.
+// Parameter draws are mixed with a fixed share: at each row, the fraction `fixed_share` of the
+// weight is redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its
+// weight. Every predictive density is normalised, hence Λ_τ,t is a test martingale under the
+// mixture without a change.
 #pragma once
 
 #include <cstdint>
@@ -73,11 +73,11 @@ struct CandidateOnset {
   double mean_hours = 0.0, variance_hours = 0.0;
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
-  double log_wealth = 0.0;  ///< ln of its term in the Shiryaev-Roberts sum
+  double log_wealth = 0.0;  ///< ln of the onset's term in the Shiryaev-Roberts sum
   /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
   /// its probability within the model without a change.
   double log_prior = 0.0;
-  int slot = -1;  ///< in the bank of shifts
+  int slot = -1;  ///< slot in the bank of shifts
   /// Posterior of δ for each parameter draw; only in the result of ChangePoint::candidates().
   std::vector<ShiftPosterior> draws = {};
   [[nodiscard]] double log_mass() const { return log_prior + log_ratio; }
@@ -127,8 +127,8 @@ class ChangePoint {
   /// Posterior probabilities of the parameter draws, summed over the models with and without a
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Adds the present shift to the intercepts, and removes all candidates. Mean and covariance of
-  /// the state are those of the mixture over all candidates, draws' hypotheses and no change.
+  /// Adds the present shift to the intercepts, and removes all candidates. The state keeps the
+  /// mean and covariance of the mixture over no change, all candidates and all their hypotheses.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates

@@ -4,11 +4,11 @@
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
-// Each of the last four stands for kUnseenSegments terms of its u, the lengths of u inside the
-// segments between kUnseenKnots: a piecewise linear function with an independent slope in each
-// segment. They are zero in the training period. Those of "long" use v with the lag kLongLagHours,
-// for example for frozen ground. Training does not change the priors of their coefficients, so that
-// predictions are wider in weather outside the training period, and again in each new segment.
+// Each of the last four entries stands for kUnseenSegments terms: the lengths of its u inside the
+// segments between kUnseenKnots. The sum is piecewise linear with one slope per segment. The "long"
+// terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are zero
+// in the training period, so training does not change the priors of their coefficients. Predictions
+// are wider outside the training period, and wider again in each new segment.
 #pragma once
 
 #include <concepts>
@@ -51,12 +51,12 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// The same for a row of a time series. In addition, an entry outside the range of the training
-  /// period by more than a jump counts as missing, unless it is within a jump of the last reading
-  /// or of the last used entry of this covariate. A single wrong reading then does not determine
-  /// the effect of weather outside the training period. A jump is kLargestJump standard deviations,
-  /// or twice the largest change between two rows of the training period. Such an entry has at
-  /// least the variance of an error as large as its distance from the imputed value.
+  /// Scales a row of a time series in the same way. In addition, an entry outside the range of the
+  /// training period by more than a jump counts as missing, unless it is within a jump of the last
+  /// reading or of the last used entry of this covariate. A single wrong reading then does not
+  /// determine the effect of weather outside the training period. A jump is kLargestJump standard
+  /// deviations, or twice the largest change between two rows of the training period. The imputed
+  /// variance is at least the squared distance between such an entry and its imputed value.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
@@ -95,9 +95,9 @@ struct CovariateTerms {
   /// Covariate of each hinge: index among the used covariates
   std::vector<int> hinge_of = {};
   std::vector<double> knots = {};  ///< values of z, one per hinge
-  /// C: smallest and largest v in the training period
+  /// C entries: smallest and largest v in the training period
   Eigen::VectorXd low = {}, high = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same for v with the long lag
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< C: extremes of v with the long lag
 
   /// Number of terms in phi for c = `covariates` used covariates: 1 + c + hinges + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {
@@ -115,7 +115,7 @@ void carry(Parcel& parcel, Of& terms) {
 /// Updates v after `hours` with the covariate at z. Without a lag, v = z.
 void follow_lag(const Eigen::VectorXd& z, double hours, double lag_hours, Eigen::VectorXd& v);
 
-/// phi for the covariates v, lagged as in `terms`, and `slow`, lagged by kLongLagHours.
+/// phi for the covariates v (lagged as in `terms`) and `slow` (lagged by kLongLagHours).
 [[nodiscard]] Eigen::VectorXd terms_at(const CovariateTerms& terms, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& slow);
 

@@ -56,8 +56,8 @@ class EvidenceData {
   EvidenceData(const std::vector<double>& hours, const std::vector<FeatureRows>& features,
                double slow_hours);
 
-  /// marginal_likelihood of every feature, which agrees with the function above up to rounding.
-  /// `terms`: K x (all rows); `fast_ratios` and `priors`: one per feature.
+  /// Computes the same as `marginal_likelihood` for every feature, up to rounding. `terms`: K x
+  /// (all rows); `fast_ratios` and `priors`: one per feature.
   [[nodiscard]] std::vector<MarginalLikelihood> operator()(
       const Eigen::MatrixXd& terms, double fast_rate, double slow_ratio,
       std::span<const double> fast_ratios, std::span<const RegressionPrior> priors) const;

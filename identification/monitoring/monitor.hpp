@@ -18,10 +18,10 @@ struct MonitorOptions {
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// False: the threshold of the model alone is used. Replay still reports its rate.
+  /// False: the model alone gives the threshold; replay still reports the rate of false alarms.
   bool is_calibrated = true;
-  /// Number of rows after an alarm that refine the estimate of the change. Then the change is
-  /// accepted and the detector is reset.
+  /// Number of rows after an alarm that refine the estimate of the change. After these rows,
+  /// the change is accepted and the detector is reset.
   int settling_rows = 24;
   /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
@@ -55,10 +55,10 @@ class Monitor {
 
   RowFinding add(const Row& row);
 
-  /// A copy, in its present state, that alarms at another stated rate. It needs no new training.
+  /// A copy in the present state, for another stated rate of false alarms, without new training.
   [[nodiscard]] Monitor with_rate(double false_alarms_per_year, bool is_calibrated) const;
 
-  /// One-step predictions of the training rows by the filter of the first draw; they have no alarm
+  /// One-step predictions of the training rows by the filter of the first draw, without alarm
   /// statistic. Empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
@@ -67,7 +67,7 @@ class Monitor {
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
   /// ln of the threshold that the model gives for the stated rate. The next two functions return ln
-  /// of the threshold from the replay, and ln of the larger one, which Monitor uses.
+  /// of the threshold from the replay, and ln of the larger threshold, which Monitor uses.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {
@@ -82,8 +82,8 @@ class Monitor {
            m.settling_left_, m.settling_rows_, m.unscored_rows_, m.log_unchanged_);
   }
 
-  /// Number of monitored rows with features that were not used, because their covariates were
-  /// missing.
+  /// Number of monitored rows whose features were not used, because covariates of these rows
+  /// were missing.
   [[nodiscard]] int unscored_rows() const { return unscored_rows_; }
 
  private:

@@ -30,7 +30,7 @@ struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms, NaN: missing
   /// p: noise variance of this row divided by the usual noise variance; 1 if no sd is stated.
-  /// At most kLargestRelativeVariance: a larger sd is a code for an unknown sd.
+  /// At most kLargestRelativeVariance, because a larger sd is a code for an unknown sd.
   Eigen::VectorXd relative_variance = {};
   Eigen::VectorXd covariates = {};  ///< c, NaN: missing
 };
@@ -62,7 +62,7 @@ inline constexpr int kFewestLearningRows = 20;
 /// empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
-/// Median of the steps between two times.
+/// Median step between consecutive times.
 [[nodiscard]] double median_step(const std::vector<double>& hours);
 
 /// Median sd of each feature over the first `learning` rows; empty if the series states no sds.

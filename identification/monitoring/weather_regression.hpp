@@ -30,7 +30,7 @@ class HingeRegression {
 ///
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
-/// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² is in closed form
+/// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² has a closed form
 /// (Rasmussen & Williams 2006, equation 5.8). Longer training periods are thinned to kMostPoints
 /// evenly spaced rows.
 class ProcessRegression {

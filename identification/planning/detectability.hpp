@@ -33,7 +33,7 @@ struct DetectabilityOptions {
 };
 
 /// Simulates tests at every place and quantile of the severity. Four bisections add severities
-/// where P(detected) reaches 0.9.
+/// near P(detected) = 0.9.
 [[nodiscard]] std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                                                             const PlacePredictions& predictions,
                                                             const PreparedDesign& design,
@@ -73,18 +73,18 @@ struct Confusion {
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
 
-/// A change of the design with which a test distinguishes confused places.
+/// A change of the design that lets a test distinguish confused places.
 struct Separation {
   std::vector<int> sensors;   ///< additional sensors
   int mass = -1;              ///< index of the added mass; -1: additional sensors
   int separated = 0, of = 0;  ///< number of distinguished pairs, and of all confused pairs
 };
-/// The cheapest additional sensors, and the best single added mass. The choice is among the changes
-/// that distinguish the most pairs (within 5 %): the cheapest change, or the largest distances at
-/// equal cost. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors;
+/// The cheapest additional sensors, and the best single added mass. Of the changes that distinguish
+/// the most pairs (within 5 %), the cheapest is chosen; at equal cost, the change with the largest
+/// distances. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors;
 /// other designs get one. `costs`: per candidate; empty: equal costs. A result is empty if no
-/// change distinguishes a pair. Pairs of additional sensors are among at most 32 candidates: those
-/// with the lowest costs and, at equal costs, the largest Σ φ² over the modes.
+/// change distinguishes a pair. Pairs of additional sensors use at most 32 candidates: those with
+/// the lowest costs and, at equal costs, the largest Σ φ² over the modes.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

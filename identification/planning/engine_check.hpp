@@ -20,7 +20,7 @@ struct EngineOutcome {
   int model = 0;       ///< most probable model
   bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
   /// ln of the posterior density (in standard normal coordinates) of the true damage, minus that of
-  /// the highest mode that the run found in the true model. A value of several units means that the
+  /// the highest mode that the run found in the true model. A value of several nats means that the
   /// search missed the true damage.
   double truth_gain = 0.0;
 };
@@ -40,11 +40,11 @@ inline constexpr double kMissed = 3.0;
 /// First number of the checked tests; scores and searches use smaller numbers.
 inline constexpr std::uint64_t kFirstCheck = std::uint64_t{1} << 40;
 
-/// Differences for the same tests, engine minus approximation: of P(detected) and P(right place),
-/// both given at least one defect. Also the root mean square difference of P(at least one defect |
-/// y) over all tests. Standard errors count one additional test with different results, because a
-/// few tests may all agree by chance. Tests in which the engine did not find the true damage are
-/// counted only as `missed`, because they say nothing about the approximation.
+/// Differences of P(detected) and P(right place), both given at least one defect: engine minus
+/// approximation, for the same tests. Also the root mean square difference of P(at least one
+/// defect | y) over all tests. Standard errors count one additional test with different results,
+/// because a few tests may all agree by chance. Tests in which the engine did not find the true
+/// damage are counted only as `missed`, because they say nothing about the approximation.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect
@@ -53,9 +53,9 @@ struct EngineCheck {
   double rms_probability = 0.0;
 };
 
-/// Runs the engine on `count` simulated tests that the scores did not use, with at least 200 local
-/// searches for each model in quick runs: two damages have a posterior mode for many pairs of
-/// members. Engine and approximation use the detection threshold of the design's scores.
+/// Runs the engine on `count` simulated tests that the scores did not use. Quick runs have at
+/// least 200 local searches per model: the model with two damages has posterior modes for many
+/// pairs of members. Engine and approximation use the detection threshold of the design's scores.
 [[nodiscard]] EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
                                           const ScoredDesign& design, int count,
                                           const inference::Options& options,

@@ -25,9 +25,9 @@ struct Rectangle {
 [[nodiscard]] double value_at(const Quadratic& q, const std::array<double, 2>& point);
 
 /// ln ∫∫ exp(q) over the rectangle; `best` is its best point. The integral has a closed form if the
-/// normal density of one variable is inside the rectangle at all relevant values of the other one.
-/// Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre quadrature along x
-/// has a relative error below 1e-4.
+/// normal density of one variable is inside the rectangle at all relevant values of the other
+/// variable. Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre
+/// quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
 
@@ -40,7 +40,7 @@ inline constexpr std::size_t kSymmetric = 10;
 /// Pairs of one place a with several places b. All arrays have a multiple of kPairLanes entries.
 struct PairRow {
   float amplitude;           ///< y · v_a, v_a the unit direction of place a
-  float bend;                ///< y · w_a, w_a the direction in which place a deviates from v_a
+  float bend;                ///< y · w_a, w_a the direction in which place a deviates from its line
   float slope;               ///< largest deviation of place a in units of the amplitude
   float limit;               ///< largest amplitude of place a
   const float* amplitudes;   ///< y · v_b
@@ -51,15 +51,15 @@ struct PairRow {
   const float* inverse;      ///< 1 / (1 - ρ²)
   const float* log_weight;   ///< added to the largest exponent
   const float* interaction;  ///< |I| / (|Δ_a| |Δ_b|), 0 for no interaction
-  /// G⁻¹, G the scalar products of v_a, w_a, v_b and w_b: entries (0, 0), (0, 1), … (3, 3) of the
-  /// upper triangle, each in an array of its own, `stride` apart.
+  /// Inverse of the Gram matrix of v_a, w_a, v_b and w_b: entries (0, 0), (0, 1), … (3, 3) of the
+  /// upper triangle, each in a separate array, `stride` apart.
   const float* gram_inverse;
   std::size_t stride;
   std::size_t size;
 };
 
-/// If interaction, curvature and bounds change the exponent of a pair by less, its weight omits
-/// them.
+/// If interaction, curvature and bounds change the exponent of a pair by less than this value,
+/// the weight of the pair omits them.
 inline constexpr float kSmallChange = 0.3F;
 
 /// Computes the ln of the approximate weight of each pair: `log_weight` plus the exponent at
@@ -68,17 +68,17 @@ inline constexpr float kSmallChange = 0.3F;
 ///
 ///   extra = f + min(r²/2, κ²/2 + 4 κ) + min(u, d √(2 u)).
 ///
-/// Without limits of the amplitudes, the exponent increases by f. The interaction has the size κ =
-/// |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. The second term is exceeded with
-/// probability 3e-5 if the interaction describes the residual. If both places may deviate freely
-/// along w_a and w_b, the exponent increases by u. The largest possible deviation is d = c_a
-/// slope_a
-/// + c_b slope_b. `square` = |y|². Returns the largest weight of the pairs with `extra` below
-/// kSmallChange.
+/// Without limits of the amplitudes, the exponent would increase by f. The interaction
+/// has the size κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If
+/// the interaction describes the residual, its effect exceeds the second term with
+/// probability 3e-5. If both places may deviate freely along w_a and w_b, the exponent
+/// would increase by u. The largest possible deviation is d = c_a slope_a + c_b
+/// slope_b. `square` = |y|². Returns the largest weight of the pairs with `extra`
+/// below kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
-/// Pairs of places with curved lines of effects c v + α c (c - τ) w, 0 <= c <= limit, as arrays of
-/// `stride` entries in this order, with a multiple of kPairLanes used entries.
+/// Pairs of places with effects on the curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
+/// `stride` entries in this order; the number of used entries is a multiple of kPairLanes.
 struct CurvedPairs {
   enum Array {
     v_a,  ///< y · v_a
@@ -104,9 +104,9 @@ struct CurvedPairs {
   std::size_t stride, size;
 };
 
-/// The largest exponent of each pair without interaction, by Gauss-Newton steps from the straight
-/// lines, and an approximate upper bound of its increase by the interaction (as in screen_pairs)
-/// and by the deviations d from the curved lines, min(d r, r²/2). `square` = |y|².
+/// Largest exponent of each pair without interaction, by Gauss-Newton steps from the straight
+/// lines. `extra` approximates an upper bound of its increase by the interaction (as in
+/// screen_pairs) and by the deviations d from the curves, min(d r, r²/2). `square` = |y|².
 void fit_curved_pairs(const CurvedPairs& pairs, float square, float* exponent, float* extra);
 
 /// Replaces each of `size` values by exp(value - most), with a relative error below 1e-6; values
@@ -119,8 +119,8 @@ void exponentials(float* values, std::size_t size, float most);
 /// Number of vectors in one tile of `products_with_tile`.
 inline constexpr std::size_t kTile = 8;
 /// Scalar products of kTile vectors with `count` columns, both of `rows` entries. `tile` holds
-/// entry r of all vectors, then entry r + 1. `out` + c · `out_stride` receives the products with
-/// column c, which starts at `columns` + c · `rows`.
+/// entry 0 of all vectors, then entry 1, and so on. `out` + c · `out_stride` receives the
+/// products with column c, which starts at `columns` + c · `rows`.
 void products_with_tile(const double* tile, std::size_t rows, const double* columns,
                         std::size_t count, double* out, std::size_t out_stride);
 

@@ -48,11 +48,11 @@ struct NormalModel {
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// where each integral is normal, in closed form, and exact for piecewise linear Δ_a. For two
-/// defects, the integral over p and q uses the slopes at the best (p, q); it is a quadrature along
-/// p and in closed form along q. Two defects at one place are not considered. The sum over pairs
-/// (a, b) uses `pairs` pairs: those with the largest approximate weights, and a systematic sample
-/// of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// where each integral is normal, has a closed form, and is exact for piecewise linear Δ_a. For
+/// two defects, the integral over p and q uses the slopes at the best (p, q), with quadrature
+/// along p and a closed form along q. Two defects at one place are not considered. The sum over
+/// pairs (a, b) uses `pairs` pairs: those with the largest approximate weights, and a systematic
+/// sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
   /// Throws std::invalid_argument if a model has more than two defects, no model is
@@ -76,8 +76,8 @@ class NormalTest {
     double log_odds = 0.0;
   };
 
-  /// Data of one test and their products with the nodes, as input of `answer`. Refers to both
-  /// arrays.
+  /// Data of one test and their products with the nodes, as input of `answer`. Holds pointers
+  /// to both arrays.
   struct Measured {
     const double* data = nullptr;
     const double* products = nullptr;
@@ -97,10 +97,10 @@ class NormalTest {
   /// Index of the model without defects.
   [[nodiscard]] int intact() const { return intact_; }
 
-  /// The curve through the nodes of a place is about c v + α c (c - τ) w, with the typical
-  /// direction v, the component c along v, and the unit direction w normal to v in which the nodes
-  /// deviate most: the sum of the nodes with the weights `of_nodes` (zero for a straight line). A
-  /// node deviates from the straight line by at most c · slope, and from this curve by c · rest.
+  /// The curve through the nodes of a place is about c v + α c (c - τ) w: v is the typical
+  /// direction, c the component along v, and w the unit vector normal to v in which the nodes
+  /// deviate most. The weights `of_nodes` give w as a sum of the nodes (zero for a straight line).
+  /// A node deviates from the straight line by at most c · slope, and from this curve by c · rest.
   struct Bend {
     Eigen::VectorXd of_nodes;
     double slope = 0.0, alpha = 0.0, tau = 0.0, rest = 0.0;
@@ -117,7 +117,7 @@ class NormalTest {
   [[nodiscard]] double log_place(const double* products, int a) const;
   [[nodiscard]] double interaction_product(const float* data, Eigen::Index column) const;
   [[nodiscard]] Position position(const double* products, int place, double p) const;
-  /// The exponent of a pair about its best severities, in segments from there.
+  /// Quadratic exponent of a pair about its best severities; coordinates in units of segments.
   struct Fit {
     Quadratic q;
     Rectangle r;
@@ -156,7 +156,7 @@ class NormalTest {
   Eigen::MatrixXf interactions_;
   Eigen::MatrixXi column_of_;                   // per pair of places; -1: no interaction
   std::vector<double> interaction_square_;      // per column: |I|²
-  std::vector<std::size_t> interaction_first_;  // per column: its start in the next list
+  std::vector<std::size_t> interaction_first_;  // per column: its start in interaction_nodes_
   std::vector<double> interaction_nodes_;       // I · nodes of place a, then I · nodes of place b
 };
 

@@ -51,12 +51,12 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;  ///< median over the modes
-  /// For a largest component of 1 over the sensors of the best design: median over the modes.
+  /// Median sd of shape entries for a largest entry of 1 over the sensors of the best design.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of damage
   /// Designs of the search, by the probability of the right count and place, best first. A
-  /// classical layout that is better than all of these comes first.
+  /// classical layout that is better than all these designs comes first.
   std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;  ///< designs by other criteria, and layouts of the user
   ScoredDesign frequencies_alone;
@@ -73,13 +73,13 @@ struct PlanFindings {
   /// Root mean square difference between the data of two simulated defects and the model of
   /// NormalTest, in standard errors per datum: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// The same for the effect of unknown coefficients, which the plan assumes to be linear.
+  /// The same differences for unknown coefficients, whose effect the plan assumes to be linear.
   double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< compared tests, if the case has costs
   std::optional<ValueFindings> value;
 };
 
-/// Smallest number of simulated tests of a design that is compared with the recommended one.
+/// Smallest number of simulated tests of a design that is compared with the recommended design.
 inline constexpr int kFewestVariationTests = 1000;
 /// Number of simulated tests for each variation of the recommended design.
 [[nodiscard]] constexpr int variation_tests(int scenarios) {
@@ -113,7 +113,7 @@ class PlanModel {
 /// tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
-/// Chooses sensors for the case, with fewer places and severities than PlanModel has.
+/// Chooses sensors for the case, with fewer places and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
 /// Throws InvalidInput for a case that cannot be planned: with more than two simultaneous defects,

@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification::planning {
 
-/// A mass that a second state of the test adds to the structure.
+/// A mass that is added to the structure for a second state of the test.
 struct AddedMass {
   std::string name;        ///< "2 kg at B"
   AnyStructure structure;  ///< structure with the mass
@@ -23,8 +23,8 @@ struct AddedMass {
 struct TestModes {
   Eigen::VectorXd log_frequencies;  ///< ln f, each mode identified by its shape
   Eigen::VectorXd in_order;         ///< ln f of the same number of modes, ascending
-  /// Candidate sensors × modes, mass-normalised; after the measured modes, modes outside them that
-  /// are close to one of them.
+  /// Candidate sensors × modes, mass-normalised. Measured modes come first, then unmeasured modes
+  /// that are close to a measured mode.
   Eigen::MatrixXd shapes;
   Eigen::MatrixXd with_mass;  ///< modes × added masses: ln f, ascending
 };
@@ -46,7 +46,7 @@ struct PlannedStructureOptions {
   double low_hz = 0.0, high_hz = 1e300;  ///< frequency band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
-  int most_places = 120;  ///< limit above which adjacent cells are joined
+  int most_places = 120;  ///< adjacent cells are joined if there are more places
   /// Structure with unknown coefficients, each with a prior; null: all coefficients are known.
   std::shared_ptr<const StructureModel> unknown = {};
   bool uniform = false;  ///< every unknown coefficient acts on the whole structure
@@ -54,8 +54,8 @@ struct PlannedStructureOptions {
 
 /// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
 /// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
-/// MAC + |Δ ln f| / 2). A small change of stiffness mixes close modes (ModalLikelihood); for these,
-/// only frequencies are used, in ascending order.
+/// MAC + |Δ ln f| / 2). A small change of stiffness mixes close modes (ModalLikelihood); for close
+/// modes, only frequencies are used, in ascending order.
 ///
 /// Unknown coefficients have values at the standard normal coordinates z of their priors; z = 0 are
 /// the medians. Simulated tests use kDraws structures with z from a Latin hypercube (McKay, Beckman
@@ -132,7 +132,7 @@ class PlannedStructure {
   PlannedStructureOptions options_;
   std::shared_ptr<const ForwardModel> model_;
   int model_modes_ = 0;                  // number of computed modes
-  std::vector<fem::SparseRow> motions_;  // motions that the candidates measure, or any motion
+  std::vector<fem::SparseRow> motions_;  // motions that the candidate sensors measure
   Eigen::MatrixXd z_;                    // unknowns × draws
   std::vector<std::shared_ptr<const ForwardModel>> draws_;
   std::vector<Steps> steps_;
@@ -140,7 +140,7 @@ class PlannedStructure {
   std::vector<int> chosen_;
   std::vector<int> close_;  // group of modes without shapes; -1: has a shape
   std::vector<Turn> turns_;
-  std::vector<int> neighbours_;  // unmeasured modes that are close to a measured one
+  std::vector<int> neighbours_;  // unmeasured modes that are close to a measured mode
   std::vector<TestPlace> places_;
   std::vector<std::vector<int>> place_of_cell_;  // per kind
   TestModes intact_;

@@ -52,7 +52,7 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
     if (solver.predict(out.defects, out.modes, out.draw)) break;
     if (attempt + 1 == kMostDraws)
       throw InvalidInput(InvalidInput::Part::severity,
-                         "no structure with the damages of " + std::to_string(kMostDraws) +
+                         "no structure damaged according to " + std::to_string(kMostDraws) +
                              " draws of the prior has modes: narrow the prior of the severity");
   }
   out.numbers = TestNumbers::draw(structure_, seed_, number);

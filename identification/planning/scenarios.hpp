@@ -20,7 +20,7 @@ struct Scenario {
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. Seed and number determine a draw; draw number n
+/// Draws true damage from the priors, and noise. Seed and number determine a draw. Draw number n
 /// has the model n modulo the number of models.
 class ScenarioSource {
  public:

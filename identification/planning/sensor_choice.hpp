@@ -26,9 +26,9 @@ struct ChoiceOptions {
 ///
 ///   H = S² / (S² + (1 - S)²).
 ///
-/// S > 1/2 implies that the most probable count and sites are the true ones, and that the median
-/// locations are within the tolerance; H is a smooth form of this event. Its mean needs fewer
-/// simulated tests than the mean of the event.
+/// S > 1/2 implies that the most probable count and sites are true, and that the median
+/// locations are within the tolerance. H is a smooth form of this event. The mean of H needs
+/// fewer simulated tests than the mean of the event.
 [[nodiscard]] double location_score(const TestOutcome& outcome);
 
 /// A design with its mean location score, given at least one defect.
@@ -47,14 +47,14 @@ struct SensorChoice {
 
 /// Maximises the mean location score of damaged structures. All designs receive the same simulated
 /// tests, so differences between designs are estimated with little noise. A comparison begins with
-/// `first_scenarios` scenarios. Designs that are worse than the best design, by more than three
-/// standard errors of the difference, are removed. For the other designs, the number of scenarios
+/// `first_scenarios` scenarios. Designs that are worse than the best design by more than three
+/// standard errors of the difference are removed. For the other designs, the number of scenarios
 /// doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all designs are
-/// compared. Otherwise, a greedy search begins with the best pair of sensors (shapes need two),
-/// among all or 120 pairs, and adds one sensor at a time. Three designs are then improved: this
+/// compared. Otherwise, a greedy search begins with the best pair of sensors (of all pairs, or of
+/// 120 if there are more) and adds one sensor at a time. Three designs are then improved: this
 /// design and the layouts by effective independence and kinetic energy. The search removes the
-/// least useful sensor and adds the best other sensor, until this no longer improves the design.
-/// Finally, it exchanges single sensors of the best of the three designs, until no exchange
+/// least useful sensor and adds the best other sensor, until the design no longer improves.
+/// Finally, single sensors of the best of the three designs are exchanged, until no exchange
 /// improves it. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
@@ -73,7 +73,7 @@ struct SensorChoice {
 [[nodiscard]] std::vector<std::vector<int>> random_layouts(int candidates, int count, int layouts,
                                                            std::uint64_t seed);
 
-/// The number of layouts of `choose` among `candidates`, at most 1e18.
+/// The number of layouts of `choose` sensors among `candidates` locations, at most 1e18.
 [[nodiscard]] double layout_count(int candidates, int choose);
 
 }  // namespace wheeltap::identification::planning

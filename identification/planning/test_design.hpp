@@ -104,7 +104,7 @@ class TestData {
   TestDesign design_;
   Eigen::VectorXd shape_sd_, cov_;  // per mode
   std::vector<Shape> shapes_;
-  Eigen::MatrixXd effects_;     // J, at last multiplied by (I + J Jᵀ)^(-1/2)
+  Eigen::MatrixXd effects_;     // first J, then (I + J Jᵀ)^(-1/2) J
   Eigen::MatrixXd directions_;  // eigenvectors of J Jᵀ with positive eigenvalues λ
   Eigen::VectorXd reductions_;  // 1 - 1/√(1 + λ)
   Eigen::Index size_ = 0;

@@ -221,7 +221,7 @@ TestScores summarise(const std::vector<TestOutcome>& outcomes,
   for (SortedOdds* lists : {&odds, &halves[0], &halves[1]})
     for (std::vector<double>& list : *lists) std::ranges::sort(list);
   const std::vector<double>& healthy = odds[intact];
-  if (healthy.empty()) throw std::invalid_argument("no simulated test of the intact structure");
+  if (healthy.empty()) throw std::invalid_argument("the scores need tests of the intact structure");
   const auto intact_tests = static_cast<double>(healthy.size());
   TestScores out;
   for (const std::size_t half : {0u, 1u})

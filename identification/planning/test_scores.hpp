@@ -33,7 +33,7 @@ struct TestOutcome {
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
   /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
   /// ε = kFloor. For any q, the mean of this score is a lower bound of the expected information
-  /// (Barber & Agakov 2003, NIPS 16). With exact evidences, the mean is below it by at most -ln(1 -
+  /// (Barber & Agakov 2003, NIPS 16). With exact evidences, the mean is too low by at most -ln(1 -
   /// ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable number and all locations are right
@@ -86,9 +86,9 @@ struct TestScores {
     double false_alarm = 0.0, detection = 0.0;
   };
   std::vector<Operating> operating;
-  /// A threshold of one half of the tests: its probabilities in this half (`chosen`) and in the
-  /// other half (`tested`), with their variances. The probabilities in the other half have no bias
-  /// from the choice of the threshold.
+  /// A threshold from one half of the tests, and probabilities at this threshold in the same half
+  /// (`chosen`) and in the other half (`tested`), with variances. The probabilities in the other
+  /// half have no bias from the choice of the threshold.
   struct HeldOut {
     Operating chosen, tested, variance;
   };

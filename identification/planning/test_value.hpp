@@ -37,7 +37,7 @@ struct TestOption {
 /// and without a test C₀ = min(π c_missed, c_inspection + (1 - π) c_false alarm). The saving C₀ - C
 /// is the value of the information minus the cost of the test (Straub 2014, Struct. Saf. 49:75).
 /// Each half of the simulated tests chooses α, and the other half estimates C; the saving is the
-/// mean of both. An estimate from the tests that choose α is too large.
+/// mean of both. An estimate from the tests that chose α would be too large.
 struct TestValue {
   double saving = 0.0, mcse = 0.0;
   double test_cost = 0.0;

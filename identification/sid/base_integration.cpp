@@ -22,7 +22,7 @@ std::vector<double> in_si(const SidCase& sid_case, const SidChannel& channel) {
     throw InvalidInput(
         InvalidInput::Part::channel,
         "the scale and offset of this channel must be numbers, because the base displacement is "
-        "integrated from the channel; otherwise add a channel with the role "
+        "integrated from the channel: use numbers, or add a channel with the role "
         "\"base-displacement\"",
         static_cast<int>(&channel - sid_case.channels.data()));
   }

@@ -184,7 +184,7 @@ struct SidCase {
   double sample_rate_hz = 0.0;
   signals::Sampling sampling = {};             ///< origin of the sampling rate
   std::optional<io::FoundLayout> layout = {};  ///< layout of a record in delimited text
-  /// Index in the record of the first scored sample, and one past the last
+  /// Indices in the record: first scored sample, and one past the last scored sample
   int begin = 0, end = 0;
   /// Number of samples before `begin` that are integrated but not scored
   int lead_in = 0;
@@ -193,8 +193,8 @@ struct SidCase {
   int beyond = 0;
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
-  /// The amount of motion at the start of the window (moves_at_start), if this motion and not the
-  /// case is the reason to infer the initial state.
+  /// The amount of motion at the start of the window (moves_at_start). Set only if this motion,
+  /// and not the case, is the reason to infer the initial state.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;

@@ -73,7 +73,7 @@ struct ChannelFit {
 /// number of steps.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
-/// Limit of the step error, above which the step error is reported.
+/// Larger step errors are reported.
 inline constexpr double kLargestStepError = 0.3;
 
 }  // namespace wheeltap::identification

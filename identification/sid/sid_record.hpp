@@ -16,10 +16,10 @@ namespace wheeltap::identification {
 struct RecordUse {
   /// Stated sampling rate; must agree with a time column
   std::optional<double> sample_rate_hz = {};
-  std::optional<std::pair<int, int>> samples = {};  ///< scored samples: first, one past the last
+  std::optional<std::pair<int, int>> samples = {};  ///< first scored sample, one past the last
   int lead_in = 0;                                  ///< number of samples before the window
-  /// True: the excitations had no content above half the sampling rate and are upsampled by a sinc.
-  /// False: they are linear between their samples.
+  /// True: the excitations had no content above half the sampling rate and are upsampled by sinc
+  /// interpolation. False: they are linear between their samples.
   bool band_limited = false;
   bool resample = false;  ///< interpolate non-uniform time steps to a uniform rate
   /// Upsampling factor; empty: chosen so that linear interpolation loses at most 0.3 %
@@ -32,13 +32,13 @@ struct RecordUse {
 /// non-uniform times.
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
 
-/// Reports implausible data: windows with other spectra than the record, excitations that are not
-/// linear between their samples, and units without a conversion.
+/// Reports implausible data: windows whose spectra differ from the record's, excitations that are
+/// not linear between their samples, and units without a conversion.
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
 /// The amount of motion of the responses at the start of the window. The result is empty if the
-/// responses start at rest, or if the record does not determine this. For displacements and
-/// velocities, the amount is the value of the first samples divided by the RMS, if it exceeds a
+/// responses start at rest, or if the record does not determine whether they do. For displacements
+/// and velocities, the amount is the value of the first samples divided by the RMS, if it exceeds a
 /// tenth and three standard errors. For accelerations, the amount comes from the first quarter of a
 /// period, and only if the window starts later than the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);

@@ -61,16 +61,16 @@ struct SidRun {
 
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
-/// the chain allow it, otherwise shorter steps: the error is proportional to the fourth power of
-/// the step. The function tests the settings on the best draws and refines them again if necessary,
-/// for example for chaotic motion.
+/// the chain allow it, otherwise shorter steps, because the error is proportional to the fourth
+/// power of the step. The function tests the settings on the best draws and refines them again if
+/// necessary, for example for chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
-/// The engine's options for a given run time per likelihood: the defaults if the run takes
-/// less than about a minute on two cores. Otherwise, the number of draws that two cores
-/// compute in a minute. The actual number of cores is not used, because results must not
-/// depend on it.
+/// The engine's options for a given run time per likelihood. If a run with the defaults
+/// takes less than about a minute on two cores, the function returns the defaults.
+/// Otherwise, it sets the number of draws that two cores compute in a minute. The
+/// actual number of cores is not used, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

@@ -6,10 +6,10 @@
 //
 // Frequencies that were not identified are missing at random. Priors: μ flat; Σ inverse Wishart
 // with p degrees of freedom and the scale matrix diag(s_j²), where s_j is the robust scatter of
-// mode j; ν uniform on a list of values. This prior of Σ counts as one test: without missing
-// frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom, about the
-// mean of the tests, with the scale matrix (S + diag(s_j²)) / N² (S: sum of squares about the
-// mean).
+// mode j; ν uniform on a list of values. This prior of Σ counts as one test. Without missing
+// frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom about the
+// mean of the tests. Its scale matrix is (S + diag(s_j²)) / N², with S the sum of squares about
+// the mean.
 //
 // The posterior is drawn by Gibbs sampling with data augmentation (Liu 1996, "Bayesian robust
 // multivariate linear regression with incomplete data", J. Am. Stat. Assoc. 91:1219).
@@ -53,7 +53,7 @@ struct RepeatedTests {
 
   /// Relative scatter of one test: half the width of the central 68.3 % interval of ln f_j, i.e.
   /// √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it is the
-  /// standard deviation. Posterior mean and posterior sd.
+  /// standard deviation. The lists hold its posterior mean and sd.
   std::vector<double> scatter = {}, scatter_sd = {};
   Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlations in Σ
 
@@ -73,10 +73,10 @@ inline constexpr double kSerialLevel = 2.0;
 /// Infers mean and scatter of repeated tests.
 /// \param frequencies_hz tests × modes, > 0; NaN: not identified
 /// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
-/// tests. Throws std::invalid_argument, with the mode, if a frequency is not positive, if fewer
-/// than kLeastTests tests, or than the share kLeastShare of the tests, identified a mode (unless no
-/// test did), or if all frequencies of a mode
-/// are equal.
+/// tests. Throws std::invalid_argument, with the mode, in three cases: a frequency is not
+/// positive; all frequencies of a mode are equal; a mode was identified, but in fewer than
+/// kLeastTests tests or in less than the share kLeastShare of the
+/// tests.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});
 

@@ -22,8 +22,8 @@ class DrawsLost : public std::runtime_error {
 /// kOnHeap, the buffer moves to an unnamed file in that folder. The file is mapped into memory. The
 /// operating system writes mapped pages to disk when memory is short. The operating system deletes
 /// the file when this object is destroyed or the process ends. Disk space is reserved as the file
-/// grows. If the disk is full, or the file system does not support unnamed files, the buffer is on
-/// the heap.
+/// grows. If the disk is full, or the file system does not support unnamed files, the buffer stays
+/// on the heap.
 class DrawMemory {
  public:
   static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;

@@ -91,9 +91,9 @@ struct PilotOptions {
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The log weights with which the chains visit all models of at least the probability `least` about
-/// equally often. Less probable models get the weight of a model with the probability `least`.
-/// Every model then has enough samples to fit its proposal.
+/// The log weights with which the chains visit all models with a probability of at least `least`
+/// about equally often. Less probable models get the weight of a model with the probability
+/// `least`. Every model then has enough samples to fit its proposal.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 

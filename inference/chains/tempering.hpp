@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over the swaps, one sum per pair of neighbours
   std::vector<long> tried{};        ///< swaps tried by each pair
-  /// Per replica: +1 if the end of the ladder visited last is β = 0, -1 if it is β = 1
+  /// Per replica: +1 if it was last at the end β = 0 of the ladder, -1 if at the end β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -120,8 +120,8 @@ class TemperedChain {
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from
 /// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
-/// the first model, if this is the case for all models. The function `goes_on` may be empty.
-/// Otherwise it is called before every draw, with the completed share of the largest possible
+/// the first model, if this is true of all models. The function `goes_on` may be empty. Otherwise
+/// the function is called before every draw, with the completed share of the largest possible
 /// number of draws. If it returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});

@@ -23,7 +23,7 @@ struct ConvergenceLimits {
   double known = 0.001;  ///< negligible error of a model probability
   /// Error of a model probability that is small enough to stop the run
   double worth_knowing = 0.004;
-  /// Expected effective visits; no visit at all then has the probability e⁻¹⁰
+  /// Expected number of effective draws; no draw at all then has the probability e⁻¹⁰
   double expected_visits = 10.0;
   /// Smallest significant difference of two estimates, in standard errors (false-alarm rate 7e-6)
   double sigmas = 4.5;

@@ -87,11 +87,11 @@ struct Calls {
   long weigh = 0;     ///< importance sampling from the results of search and SMC
   long tune = 0;      ///< fit of the proposals, and the ladder of tempered draws if any
   long sample = 0;    ///< evaluations for the draws
-  long evidence = 0;  ///< evaluations for the evidence from the mixtures that are compared with the
+  long evidence = 0;  ///< evaluations for the evidence from the mixtures, for comparison with the
                       ///< draws
 };
 
-/// Decisions of the engine in addition to the options.
+/// Decisions that the engine made in addition to the options.
 enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,

@@ -28,7 +28,7 @@ std::string jumps(long proposed) {
 }
 
 std::string implied(const Estimate& p) {
-  return "; its evidence puts it at P ≈ " + plus_minus(p);
+  return "; its evidence implies P ≈ " + plus_minus(p);
 }
 
 // Returns a sentence, or a clause for ChainsDisagree and TooFewEffectiveDraws.
@@ -55,12 +55,12 @@ struct VerdictSentence {
     return (r.visited == 0 ? std::string("No chain has")
                            : "Only " + std::to_string(r.visited) + " of " +
                                  std::to_string(r.chains) + " chains have") +
-           " draws of a mode of model " + quoted(r.model) +
-           " that the searches found, with about " + share_of(r.share) + " of that model.";
+           " draws of a mode of model " + quoted(r.model) + " that the searches found (about " +
+           share_of(r.share) + " of that model's probability).";
   }
   std::string operator()(const ModeSharesDisagree& r) const {
     return "The chains disagree about a mode of model " + quoted(r.model) +
-           ": its share of their draws of that model is " + share_of(r.lowest) + " to " +
+           ": the share of this mode in the draws of that model is " + share_of(r.lowest) + " to " +
            share_of(r.highest) + " (R-hat " + base::readable(r.rhat, 3) + ").";
   }
   std::string operator()(const AnnealingFindsMore& r) const {
@@ -75,7 +75,7 @@ struct VerdictSentence {
   std::string operator()(const DrawsBeyondMixture& r) const {
     return share_of(r.share) + " of the draws of model " + quoted(r.model) +
            " lie outside the support of the global proposals, in only " +
-           base::readable(r.visits, 2) + " effective visits (must exceed " +
+           base::readable(r.visits, 2) + " effectively independent visits (must exceed " +
            base::readable(r.limit, 3) + "): the chains may have missed a part of this region.";
   }
   std::string operator()(const AnnealingDrawsBeyond& r) const {
@@ -88,13 +88,13 @@ struct VerdictSentence {
     return "The evidence of model " + quoted(r.model) +
            " is not known: its largest importance weights decay too slowly (Pareto k " +
            base::readable(r.pareto, 2) + ", must be at most " + base::readable(r.limit, 2) +
-           "), so that it may be too small by a factor of " + base::readable(r.factor, 2) +
-           implied(r.by_evidence) + ".";
+           "), so that the estimate may be too small by a factor of " +
+           base::readable(r.factor, 2) + implied(r.by_evidence) + ".";
   }
   std::string operator()(const ModesLeftOut& r) const {
     return "The search for the modes of model " + quoted(r.model) + " found " +
            std::to_string(r.modes) + (r.modes == 1 ? " mode" : " modes") +
-           " more than it can keep, with about " + share_of(r.share) + " of that model.";
+           " more than it can keep (about " + share_of(r.share) + " of that model's probability).";
   }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + base::readable(r.rhat, 4) + " (must be below " +

@@ -22,7 +22,7 @@ enum class Basis { draws, evidence };
 struct ModelStanding {
   double probability = 0.0;  ///< model probability; 0 with `mcse` NaN if nothing is known
   /// Monte Carlo standard error of `probability`. For a probability from draws, the error is at
-  /// least 1 / (`ess_model` + 2), the effect of one effective visit more or less. The error then
+  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less. The error then
   /// also includes the excess of the SMC draws (annealed_excess). For a probability from evidence,
   /// the error follows from the errors of all evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
@@ -62,7 +62,7 @@ struct Standings {
 /// ln of the Bayes factor B_ab of models a and b. B_ab follows from the evidences if the
 /// probability of a or b comes from its evidence, otherwise from the draws. For draws, the error is
 /// the standard error of the mean of indicator_a / s_a - indicator_b / s_b (delta method). The
-/// error is at least the effect of one effective visit more or less to the less probable model.
+/// error is at least the effect of one effective draw more or less in the less probable model.
 [[nodiscard]] Estimate log_bayes_factor(const Posterior& posterior, int a, int b);
 
 }  // namespace wheeltap::inference

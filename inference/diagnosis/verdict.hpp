@@ -24,13 +24,13 @@ struct Verdict {
   /// Resolution of the mode search: a share of the prior. If the basin of attraction of a posterior
   /// mode holds a smaller share of the prior, all local optimisations miss the mode with a
   /// probability above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest
-  /// over the models, and 1 without a search. A long list of models excludes those
-  /// with only local optimisations and a probability below kLimits.searched_model.
+  /// over the models, and 1 without a search. In a long list, models with only local optimisations
+  /// and a probability below kLimits.searched_model are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
-  /// not known. The search may miss a narrower mode although its basin of steepest ascent is larger
-  /// (resolution_of).
+  /// not known. The search may miss a narrower mode even if its basin of steepest ascent exceeds
+  /// `resolution` (resolution_of).
   double resolved_width = 0.0;
   /// Number of models searched by local optimisations alone; `resolution` excludes them
   int glanced = 0;
@@ -80,9 +80,9 @@ struct Verdict {
 /// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or
 ///   within the variability expected for the number of draws (1e-6). For components of a kind, the
 ///   sums of their parameters are judged, because the numbers of the components are arbitrary. The
-///   effective sample size of each parameter is above 800 P, but this limit is at least 20 and at
-///   most 400. R-hat is judged from 100 draws per chain on. For a model below 5 %, the effective
-///   sample size is judged from 400 draws per chain on.
+///   effective sample size of each parameter exceeds 800 P; this limit is at least 20 and at most
+///   400. R-hat is judged from 100 draws per chain on. For a model below 5 %, the effective sample
+///   size is judged from 400 draws per chain on.
 /// - With tempered draws, the replicas completed 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
 ///   applied.

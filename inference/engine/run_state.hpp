@@ -84,7 +84,7 @@ struct Position {
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// Posterior modes of a model whose shares of the draws are counted.
+/// Posterior modes of one model; the shares of these modes in the draws are counted.
 struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;

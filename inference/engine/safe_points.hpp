@@ -13,8 +13,8 @@
 namespace wheeltap::inference {
 
 /// Safe points lie between two iterations of all chains and between two explored models. At a safe
-/// point, RunState is complete. The state is not saved while saving would take more than kShare of
-/// the run time.
+/// point, RunState is complete. Saving is postponed as long as it would take more than the share
+/// kShare of the run time.
 class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}

@@ -29,7 +29,7 @@ struct TmcmcOptions {
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln factor + ln likelihood up to a
   /// constant, finite at every finite z. Several threads may call it at once. Stages in which its
-  /// error is small screen their moves with it (see `tmcmc`).
+  /// error is small use it to screen moves (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;

@@ -91,8 +91,8 @@ struct ModelExploration {
 /// maximise the density from many starting points, and SMC follows the probability mass along a
 /// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
-/// balance heuristic) gives its draws the correct weights. A posterior mode that only one method
-/// found is thus included. A mode that both methods found is counted once.
+/// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only
+/// one method found is thus included. A mode that both methods found is counted once.
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
 /// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
@@ -117,7 +117,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
                   Annealing how, ModelExploration& found);
 
 /// Index of the mode whose normal approximation has the highest density at z relative to its peak.
-/// This mode is the nearest one, if distances are measured in standard deviations of each mode. The
+/// This is the nearest mode if distances are measured in standard deviations of each mode. The
 /// result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,

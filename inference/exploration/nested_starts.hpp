@@ -20,7 +20,7 @@ namespace wheeltap::inference {
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 
 /// Starting points of local optimisations in `model`, from the best posterior modes of the explored
-/// models nested in `model`. Among the models that lack the fewest parameters of `model`, those
+/// models nested in `model`. Of the models that lack the fewest parameters of `model`, the models
 /// with the highest evidence are used. The function returns at most `most` points. A missing
 /// parameter starts at the median of its prior, and again at the 7 % quantile of its prior (z =
 /// -1.5). For a coefficient of either sign, the median means no effect; for a positive coefficient,

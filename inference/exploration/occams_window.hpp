@@ -14,10 +14,10 @@ class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// The models one step within m (`within`), and the models within which m is one step.
+  /// `within`: the models one step within m. `around`: the models that have m one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Smallest number of steps from a model within which there is no other model.
+  /// Smallest number of steps from a model that contains no other model.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:

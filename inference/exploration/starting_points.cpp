@@ -62,7 +62,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
     }
     for (long n = kStartSamples; n < problem.samples; n *= 4) {
       if (monitor.stopped() || mode_options.start.empty())
-        throw LikelihoodError("no draw has a finite likelihood to climb from");
+        throw LikelihoodError("no draw has a finite likelihood, so no search can start");
       const Optimum mode = maximum_a_posteriori(*problem.shortened(n), m, mode_options);
       mode_options.start = mode.z;
       evaluations += mode.evaluations;

@@ -58,7 +58,7 @@ class NormalMixture {
 
   /// Fits by expectation-maximisation from k-means++ centres (Arthur & Vassilvitskii 2007). The fit
   /// starts with the largest number of components and repeatedly merges the pair of components with
-  /// the smallest loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects one of all
+  /// the smallest loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects one of the
   /// mixtures that this sequence of merges produces (Figueiredo & Jain 2002; AutoMix). Repeated
   /// samples (rejections of a chain) keep their weight, but count only once for the minimum number
   /// of samples per component. No component can therefore collapse onto a repeated sample.

@@ -96,8 +96,8 @@ inline Lanes quadratic_form(const double* group, const double* z, std::size_t d)
   return result;
 }
 
-// e^x for x <= 0 with a relative error of 1e-15; 0 for x below -700. x = n ln 2 + r with |r| <= ½
-// ln 2, and the Taylor series in r, whose first neglected term is 2e-16.
+// e^x for x <= 0 with a relative error of 1e-15; 0 for x below -700. Uses x = n ln 2 + r, |r| <=
+// ½ ln 2, and the Taylor series in r; its first neglected term is 2e-16.
 inline Part exponential(Part x) {
   // Adding kMagic to a number rounds the number to an integer and stores the integer in the low
   // bits of the sum.

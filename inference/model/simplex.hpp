@@ -27,8 +27,8 @@ class Simplex {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] int size() const { return static_cast<int>(sticks_.size()) + 1; }
 
-  /// The n shares that belong to the n - 1 values of `sticks`, each between 0 and 1. Throws
-  /// std::invalid_argument if the number of values differs from n - 1.
+  /// The n shares for the given n - 1 sticks. Each stick is a number between 0 and 1.
+  /// Throws std::invalid_argument if the number of sticks differs from n - 1.
   [[nodiscard]] std::vector<double> shares(std::span<const double> sticks) const;
 
  private:

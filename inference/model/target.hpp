@@ -14,8 +14,8 @@
 
 namespace wheeltap::inference {
 
-/// The result of one evaluation of a likelihood. The caller owns it and reuses it, so that
-/// evaluations do not allocate memory.
+/// The result of one evaluation of a likelihood. The caller owns the object and reuses it,
+/// so that evaluations do not allocate memory.
 struct Evaluation {
   double log_likelihood = -std::numeric_limits<double>::infinity();
   /// The predicted observables, or empty. Predicted observables are recorded for posterior
@@ -95,7 +95,7 @@ class Likelihood {
   }
 
   /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about an x with a positive
-  /// likelihood: a quadratic function from the residuals' first derivatives (Nocedal & Wright 2006,
+  /// likelihood, a quadratic function from the residuals' first derivatives (Nocedal & Wright 2006,
   /// section 10.3). With steps s,
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
@@ -158,9 +158,9 @@ struct Problem {
   /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
-  /// samples of the record. The engine then searches modes on records of increasing length, each
-  /// search starting from the posterior mode for the shorter record, because the posterior for the
-  /// whole record can have too many modes for a search.
+  /// samples of the record. The engine then searches modes on records of increasing length. Each
+  /// search starts from the posterior mode for the shorter record. The posterior for the whole
+  /// record can have too many modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
   /// True if an evaluation takes about a hundred times as long as a step of the sampler, for
@@ -187,8 +187,8 @@ struct State {
   bool evaluated = false;  ///< log_likelihood and prediction also belong to z
 };
 
-/// Thrown if a model's likelihood is never finite under its prior, or NaN or +∞ too often. Names
-/// the model and the parameter values.
+/// Thrown if a model's likelihood is never finite under its prior, or too often is NaN or +∞.
+/// The message names the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -240,8 +240,8 @@ class Target {
   /// given, one per state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Computes the members of `state` that moves may use. These are all members, but without the
-  /// full likelihood and its prediction if the problem has an approximation.
+  /// Computes the members of `state` that moves may use. These are all members except, if the
+  /// problem has an approximation, the full likelihood and its prediction.
   void screen(State& state);
   /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
   /// log_screen of other states may be -∞.

@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation: some microseconds, the time
-/// of a cheap likelihood. Work is counted instead of measured in seconds, so that draws are the
-/// same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. They take some
+/// microseconds, like a cheap likelihood. Work is counted instead of measured in seconds, so that
+/// draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
@@ -108,8 +108,8 @@ class Move {
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///
-/// The first stage leaves prior × exp(beta ℓ*) invariant, and the second corrects it to the
-/// posterior, for every move and model.
+/// The first stage leaves prior × exp(beta ℓ*) invariant, and the second stage corrects
+/// this distribution to the posterior, for every move and model.
 class MetropolisHastings : public Kernel {
  public:
   MetropolisHastings(std::string name, std::unique_ptr<Move> move, double work = 0.0)

@@ -28,7 +28,7 @@ class RandomWalk : public Move {
   };
   using Scales = std::vector<std::vector<Block>>;  ///< [model][block]
 
-  /// One step of RAM after a proposal S u with this acceptance probability.
+  /// Adapts S (algorithm RAM) after a proposal S u with this acceptance probability.
   static void learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability);
 
   /// Blocks of every model, with S = I. The last block of each model contains all coordinates.

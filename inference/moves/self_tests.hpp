@@ -29,7 +29,7 @@ struct PriorCheck {
 ///
 ///   p(x(z)) dx/dz = φ(z)
 ///
-/// to 1e-5 by finite differences, except at kinks of the density and where x does not resolve them.
+/// to 1e-5 by finite differences, except at density kinks and where x does not resolve the steps.
 /// If only the normalisation of the density is wrong, the result gives the integral of the density.
 [[nodiscard]] PriorCheck check_prior(const Prior& prior);
 

@@ -1,4 +1,4 @@
-// One climb (a local optimisation) to a mode of a model's posterior, and the Hessian at this mode.
+// A local optimisation (`climb`) to a mode of a model's posterior, and the Hessian at this mode.
 #pragma once
 
 #include <functional>
@@ -18,13 +18,13 @@ class Surface {
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
 
   double operator()(const Eigen::VectorXd& z);
-  /// ln π of each column; evaluating several together is faster. Values below `level` may be -∞.
+  /// ln π of each column; several columns together are faster. Values below `level` may be -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
   /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
   /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz.
-  /// Returns false if the likelihood does not provide them (Likelihood::gauss_newton), or not at z.
+  /// Returns false if the likelihood does not provide both at z (Likelihood::gauss_newton).
   bool gauss_newton(const Eigen::VectorXd& z, const Eigen::VectorXd& dz, Eigen::VectorXd& g,
                     Eigen::MatrixXd& information);
   void draw_prior(base::Random& random, Eigen::VectorXd& z);
@@ -44,7 +44,7 @@ class Surface {
     parcel(gradients_, refusals_, saved_);
   }
   /// Sets a callback that is called before each likelihood evaluation; if the callback returns
-  /// true, the current climb ends.
+  /// true, the current optimisation ends.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 
@@ -58,28 +58,28 @@ class Surface {
   std::function<bool()> stop_;
 };
 
-/// A posterior mode with the quantities that climbs use.
+/// A posterior mode with the quantities that local optimisations use.
 struct KnownMode {
   Eigen::VectorXd z;
   double value = 0.0;
   Eigen::MatrixXd covariance, precision;
 };
 
-/// Result of a climb.
+/// Result of a local optimisation.
 struct ClimbEnd {
   Eigen::VectorXd z;
   double value = -std::numeric_limits<double>::infinity();
-  Eigen::MatrixXd inverse_hessian{};  ///< estimated during the climb
-  int known = -1;                     ///< index of the known mode that the climb reached
+  Eigen::MatrixXd inverse_hessian{};  ///< estimated during the optimisation
+  int known = -1;                     ///< index of the known mode that was reached
   bool possible = false;              ///< true if the posterior density at the start is positive
   double way = 0.0;                   ///< length of the path, in standard deviations of the prior
   long points = 0;                    ///< number of points of the path, without the start
 };
 
-/// Climbs from `start` to a posterior mode. The function tries a few Newton steps with the
+/// Optimises from `start` to a posterior mode. The function tries a few Newton steps with the
 /// curvature of the nearest known mode, then Gauss-Newton steps if the likelihood offers them, or
-/// BFGS (mode_search.hpp). Between two points of its path, a climb may step over a narrow mode to
-/// which steepest ascent would lead. `way / points` is the mean distance of these points.
+/// BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to which
+/// steepest ascent would lead. `way / points` is the mean distance between two such points.
 ///
 /// The default steps of the first differences are suitable for a start drawn from the prior. Near a
 /// mode whose width is a thousandth of the width of the prior, these steps give a wrong direction.

@@ -1,5 +1,5 @@
-// Search for the modes of one model's posterior by climbs (local optimisations) from draws of its
-// prior.
+// Search for the modes of one model's posterior by local optimisations that start from draws of
+// its prior.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ struct Mode {
   double log_posterior = 0.0;
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, made positive definite
   double log_mass = 0.0;       ///< Laplace: ln π + (d/2) ln 2π + ½ ln|covariance|
-  long climbs = 0;             ///< number of climbs that ended at this mode
+  long climbs = 0;             ///< number of local optimisations that ended at this mode
 };
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// climbs in progress are finished. Replacements of components may use a further 10 %, or as many
-  /// evaluations as the climbs before.
+  /// optimisations in progress are finished. Replacements of components may use a further 10 %, or
+  /// as many evaluations as the optimisations before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
-  /// followed modes, and of draws near each mode.
+  /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of
+  /// optimisations from the prior, followed modes, and draws near each mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
@@ -38,15 +38,15 @@ struct ModeSearchOptions {
   /// ends.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If it returns true, the
-  /// search ends, and climbs in progress are discarded.
+  /// search ends, and optimisations in progress are discarded.
   std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
   std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
-  long climbs = 0;          ///< completed climbs from points with a positive density
-  /// Mean distance between the points at which these climbs evaluated ln π, in standard deviations
-  /// of the prior; 0: not known. A narrower mode may lie between two points.
+  long climbs = 0;          ///< completed optimisations from points with a positive density
+  /// Mean distance between the points at which these optimisations evaluated ln π, in standard
+  /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
   /// Number of further modes, which exceeded the limit and were left out, and their share of the
   /// probability mass by Laplace's method.
@@ -58,55 +58,55 @@ struct ModeSearch {
 inline constexpr long kFewestClimbs = 30;
 inline constexpr long kMostClimbs = 10000;
 
-/// Searches modes by climbs from draws of the prior, in standard normal coordinates:
+/// Searches modes by local optimisations from draws of the prior, in standard normal coordinates:
 ///
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
 /// by BFGS (Nocedal & Wright 2006, section 6.1), starting with the diagonal of second differences.
 /// The gradient is computed by differences, or by the likelihood if the likelihood has a gradient.
-/// t is halved until the increase of ln π agrees with the quadratic model within a factor of ten.
-/// Otherwise the step may leave the region in which the quadratic model is valid, and the basin of
-/// the mode. If the likelihood offers a Gauss-Newton approximation, the climb uses Levenberg &
+/// t is halved until the increase of ln π agrees with the quadratic model within a factor of ten. A
+/// longer step may leave the region in which the quadratic model is valid, and the basin of the
+/// mode. If the likelihood offers a Gauss-Newton approximation, the optimisation uses Levenberg &
 /// Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this method does
 /// not converge. If modes are known, one or two Newton steps with the curvature of the nearest mode
 /// are tried first. If these steps converge to the known mode, and three points on the way show no
-/// other mode, the climb is complete after a few evaluations. Thousands of climbs are thus
-/// affordable if the posterior is nearly normal.
+/// other mode, the optimisation is complete after a few evaluations. Thousands of optimisations are
+/// thus affordable if the posterior is nearly normal.
 ///
-/// Components are exchangeable: the climb uses labelled vectors, in which ln π is symmetric, and
-/// sorts its result. Two end points are the same mode if the straight line between them has no
-/// valley deeper than two nats.
+/// Components are exchangeable: each optimisation uses labelled vectors, in which ln π is
+/// symmetric, and sorts its result. Two end points are the same mode if ln π on the line between
+/// them has no valley deeper than two nats.
 ///
-/// If the problem can be shortened, climbs use its first 50 samples. The number of samples is then
-/// doubled repeatedly. Each mode is followed by climbs from the previous mode and from draws of the
-/// normal approximation at this mode. If the mode does not exist for the doubled record (ln π falls
-/// by far more than the share of the new samples), the best modes are followed with smaller
-/// increments of the record. Further climbs on the whole record start from the draws with the
-/// highest posterior density among a few hundred draws of the prior.
+/// If the problem can be shortened, the optimisations use its first 50 samples. The number of
+/// samples is then doubled repeatedly. Each mode is followed by optimisations from the previous
+/// mode and from draws of the normal approximation at this mode. If the mode does not exist for
+/// the doubled record (ln π falls by far more than the share of the new samples), the best modes
+/// are followed with smaller increments of the record. Further optimisations on the whole record
+/// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
-/// In models with at least two components, climbs also start from the highest modes with one
+/// With two components or more, optimisations also start from the highest modes with one
 /// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
 ///
-/// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
-/// basin consists of all points from which these climbs, with steps of finite length, reach the
-/// mode. From a point in the basin of steepest ascent, a climb reaches a mode of width w with a
-/// probability of about min(1, w / spacing), since it evaluates ln π only at points this far apart.
+/// If the basin of a mode holds a share p of the prior, all n optimisations miss it with
+/// probability (1-p)^n. The basin contains all points from which an optimisation with finite steps
+/// reaches the mode. From the basin of steepest ascent, it reaches a mode of width w with
+/// probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 
-/// Adds climbs from `options.starts` on the whole record. This function does not climb again to
-/// modes in `found`, and does not change `found.climbs`, because chosen starts are not draws of the
-/// prior.
+/// Adds optimisations from `options.starts` on the whole record. This function does not search
+/// again for modes in `found`, and does not change `found.climbs`, because chosen starts are not
+/// draws of the prior.
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
-/// The largest share of the prior that a basin can hold while all n climbs miss it with probability
-/// 1 in 100: 1 - 0.01^(1/n).
+/// The largest share of the prior in a basin that all n optimisations miss with probability 1 in
+/// 100: 1 - 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
 /// The resolution for modes of this width, in standard deviations of the prior, with respect to
-/// their basins of steepest ascent. For widths below the `spacing` of the climbs, the resolution is
-/// larger by the factor spacing / width, and at most 1.
+/// their basins of steepest ascent. For widths below the `spacing` of the optimisations, the
+/// resolution is larger by the factor spacing / width, and at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

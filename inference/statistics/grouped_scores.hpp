@@ -31,7 +31,7 @@ struct GroupedErrorOptions {
   int resamples = 2000;
 };
 
-/// As the number of groups increases, the estimate tends to the zero of the expected score, even
+/// As the number of groups increases, the estimate tends to the point of zero expected score, even
 /// for a wrong model (Huber 1967, White 1982). The error of z* relative to this limit is estimated
 /// by the jackknife over groups, with one Newton step for each group. With P the information of the
 /// prior and A = P + Σ H_w,
@@ -42,10 +42,10 @@ struct GroupedErrorOptions {
 /// estimate corrects for influential groups, which shift z* towards their own estimates (Bell &
 /// McCaffrey 2002).
 ///
-/// If a few influential groups dominate, the distribution of scores is skewed, and z* and s are
-/// both too small if the record contains no influential group by chance. The confidence interval
-/// from Student's t is then too low and too short. Quantiles are therefore computed by the
-/// bootstrap-t (Efron 1981; Hall 1988): a resample b of N groups drawn with replacement has
+/// If a few influential groups dominate, the distribution of scores is skewed. If, by chance,
+/// the record contains no influential group, z* and s are both too small. The confidence
+/// interval from Student's t is then too low and too short. Quantiles are therefore computed by
+/// the bootstrap-t (Efron 1981; Hall 1988): a resample b of N groups drawn with replacement has
 ///
 ///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
 ///

@@ -138,13 +138,14 @@ class Reader {
         round(e);
       } else if (e.type == "SPLINE" || e.type == "ELLIPSE" || e.type == "INSERT") {
         fail(name_, e.line,
-             e.type + ": is not read; turn it into polylines, lines and arcs (explode it)");
+             e.type + ": is not read; convert it to polylines, lines and arcs (explode it)");
       }
     }
     join();
     if (drawing_.outlines.empty())
-      throw FileError(FileError::Kind::corrupt, name_,
-                      "holds no closed LWPOLYLINE, POLYLINE, CIRCLE, or LINEs and ARCs that close");
+      throw FileError(
+          FileError::Kind::corrupt, name_,
+          "holds no closed LWPOLYLINE, POLYLINE, CIRCLE, or closed path of LINEs and ARCs");
     return std::move(drawing_);
   }
 

@@ -28,7 +28,7 @@ struct Drawing {
   double unit = 0.0;                 ///< metres per unit, from $INSUNITS; 0: not given
 };
 
-/// Parses a drawing. Edges are joined if the distance of their ends is at most 1e-6 of the
+/// Parses a drawing. Edges are joined if the distance between their ends is at most 1e-6 of the
 /// drawing's size. Throws FileError: foreign for bytes that are not an ASCII DXF drawing; corrupt,
 /// with the line number, for invalid pairs and entities, for edges that form no closed outline and
 /// for a drawing without outlines. Messages use `name` for the file.

@@ -52,7 +52,7 @@ Drawing parse_outline_table(const std::string& bytes, const std::filesystem::pat
     }
     if (y < 0 || z < 0)
       fail({.line = table.header_line()},
-           "an outline needs the columns y and z (and may have part)");
+           "an outline needs the columns y and z (the column part is optional)");
     if (units[0] != units[1])
       fail({.line = table.header_line()}, "y is in '" + units[0] + "' and z in '" + units[1] + "'");
     if (!units[0].empty()) {

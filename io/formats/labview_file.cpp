@@ -64,7 +64,7 @@ class Parser {
       if (first) {
         begin(out, segment);
       } else if (segment.channels + 1 != out.columns.size()) {
-        corrupt("a segment of " + std::to_string(segment.channels) + " channels follows one of " +
+        corrupt("a segment has " + std::to_string(segment.channels) + " channels, the first has " +
                 std::to_string(out.columns.size() - 1));
       }
       if (first) out.first_line = lines_.number + 1;

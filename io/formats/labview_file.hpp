@@ -5,8 +5,8 @@
 
 namespace wheeltap::io {
 
-/// Parses a text-based measurement file. The file begins with a header of lines with a key and a
-/// value; segments follow. Each segment has its own header (Channels, Samples, Y_Unit_Label, X0,
+/// Parses a text-based measurement file. The file begins with a header, whose lines have a key and
+/// a value; segments follow. Each segment has its own header (Channels, Samples, Y_Unit_Label, X0,
 /// Delta_X, …), a line of column names and the samples (National Instruments, "Specification for
 /// the LabVIEW Measurement File"). If the header states "One" or "Multi" X columns, the first
 /// column is the time. If the header states "No" X columns, the time is computed from X0 and

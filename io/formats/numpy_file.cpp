@@ -270,7 +270,7 @@ Columns table_of(std::vector<NpyArray> arrays, std::vector<std::string> others,
     std::string there;
     for (const std::string& other : table.others) there += (there.empty() ? ": " : "; ") + other;
     throw FileError(FileError::Kind::corrupt, name,
-                    "holds no array of two numbers or more" + there);
+                    "holds no array with at least two numbers" + there);
   }
   fill_columns(chosen, wanted, values, table);
   return table;

@@ -83,7 +83,7 @@ std::string unit_of(std::string_view text) {
   std::size_t most = 0;
   std::string unit;
   for (const auto& [written, meant] : kUnits) {
-    // Take the longest of the known units that begins the text as a whole word.
+    // Takes the longest known unit with which the text begins, as a whole word.
     if (!word.starts_with(written) || written.size() <= most) continue;
     if (word.size() > written.size() &&
         std::string_view(" .,;()").find(word[written.size()]) == std::string_view::npos)

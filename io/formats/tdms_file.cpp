@@ -226,8 +226,8 @@ class Parser {
 
   [[noreturn]] void refuse_daqmx() const {
     corrupt(
-        "holds raw data of DAQmx, whose scales are not read: write a TDMS file without DAQmx's "
-        "logging, or export it as text (.csv or .lvm)");
+        "holds raw data of DAQmx, whose scales are not read: write a TDMS file without the "
+        "logging of DAQmx, or export it as text (.csv or .lvm)");
   }
 
   void metadata(bool new_list) {
@@ -253,7 +253,7 @@ class Parser {
         corrupt("is damaged: a channel refers to a previous layout that does not exist");
     } else {
       Layout layout{.type = take<std::uint32_t>()};
-      if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data of more than one dimension");
+      if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data have more than one dimension");
       layout.count = take<std::uint64_t>();
       const std::size_t size = size_of(layout.type);
       if (layout.type != kString && size == 0)
@@ -267,7 +267,7 @@ class Parser {
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
-        corrupt("channel " + channel.path + " changes its type: write it again with one type");
+        corrupt("channel " + channel.path + " changes its type: write all values with one type");
       channel.layout = layout;
     }
     if (std::ranges::find(active_, index) == active_.end() && channel.layout->bytes > 0)

@@ -160,7 +160,7 @@ class Workbook {
     if (member == nullptr) corrupt("lacks its part " + printable(in_utf8(part)));
     const std::string why = read_xml(archive_.read(*member, kLargestPart), events);
     if (!why.empty())
-      corrupt("is damaged: its part " + printable(in_utf8(part)) + " is no XML: " + why);
+      corrupt("is damaged: its part " + printable(in_utf8(part)) + " is not XML: " + why);
   }
   static void nothing(const std::string&) {}
   static void no_text(std::string_view) {}

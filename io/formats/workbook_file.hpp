@@ -12,7 +12,7 @@ namespace wheeltap::io {
 /// number format and become time stamps; elapsed times ([h]:mm:ss) become seconds. A cell with a
 /// formula has the value that the workbook stores for the cell. Columns without any cell are
 /// skipped. Other sheets are listed in the table's `others`. Throws the errors of delimited text,
-/// with the row of the sheet as line number. Throws FileError: foreign for other files (an older
+/// with the row of the sheet as line number. Throws FileError: foreign for other formats (an older
 /// .xls file, an encrypted workbook); corrupt if the file is truncated or damaged, or does not
 /// contain the sheet.
 [[nodiscard]] Columns parse_workbook(std::string bytes, const std::filesystem::path& name,

@@ -80,7 +80,7 @@ std::string read_xml(std::string_view document, const XmlEvents& events) {
                        document.empty() ? 1 : 0);
   } while (status == XML_STATUS_OK && !document.empty());
   if (reading.thrown) std::rethrow_exception(reading.thrown);
-  if (reading.has_doctype) return "it has a DOCTYPE, which no spreadsheet writes";
+  if (reading.has_doctype) return "it has a DOCTYPE, which spreadsheet programs do not write";
   if (status == XML_STATUS_OK) return {};
   return std::string(XML_ErrorString(XML_GetErrorCode(parser.get()))) + " in line " +
          std::to_string(XML_GetCurrentLineNumber(parser.get()));

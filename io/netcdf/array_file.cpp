@@ -206,7 +206,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
     arrays.push_back(v.array);
   }
   const ChosenColumns chosen = choose_columns(arrays, layout, wanted, out);
-  if (out.columns.empty()) file.foreign("holds no vector of two numbers or more");
+  if (out.columns.empty()) file.foreign("holds no vector with at least two numbers");
   fill_columns(
       chosen, wanted, [&](std::size_t i) { return values_of(path, all[i]); }, out);
   return out;

@@ -12,7 +12,7 @@
 
 namespace wheeltap::io {
 
-/// Options for reading the arrays of a file. The reader detects options that are not set.
+/// Options for reading the arrays of a file. If an option is not set, the reader detects its value.
 struct ArrayLayout {
   /// If true, each row of a matrix is a channel, and the samples of a channel are along the last
   /// dimension. If false, each column is a channel, and the samples of a channel are along the

@@ -305,9 +305,9 @@ void DelimitedText::refuse_wrapped_series() const {
   const bool knet = begins("Scale Factor") && begins("Sampling Freq");
   if (!slist && !knet) return;
   fail({.line = layout_.above.front().number},
-       std::string("one series in rows of several samples (") + (slist ? "SLIST" : "K-NET") +
-           "), which are not channels: write it with one sample per line" +
-           (slist ? " (TSPAIR)" : ", times its scale factor") + ", or as MATLAB or NumPy file");
+       std::string("rows hold several samples of one series (") + (slist ? "SLIST" : "K-NET") +
+           "), so columns are not channels: write one sample per line" +
+           (slist ? " (TSPAIR)" : ", times its scale factor") + ", or use a MATLAB or NumPy file");
 }
 
 /// Excludes remarks after the rows; a truncated row is not a remark.
@@ -407,7 +407,7 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
       reason += " (decimal commas are read with \"decimal\": \",\")";
     else if (shape_.decimal == ',' && parse_number(text))
       reason +=
-          " with a decimal comma, unlike the others (state \"decimal\": \".\" if all have "
+          " with a decimal comma, unlike other cells (state \"decimal\": \".\" if all have "
           "points)";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
       reason += ", unlike the cells above";
@@ -443,7 +443,7 @@ DayOrder DelimitedText::day_order(int column) const {
   Columns table{.file = name_.string(), .columns = headers_, .first_line = first_line_};
   const std::vector<std::string> found = cells(0);
   fail(table.place(0, column), "the date of " + shown(found[static_cast<std::size_t>(column)]) +
-                                   " is ambiguous, day or month first: state \"time_format\": "
+                                   " is ambiguous, with day or month first: state \"time_format\": "
                                    "\"day-first\" or \"time_format\": "
                                    "\"month-first\"");
 }
@@ -451,7 +451,7 @@ DayOrder DelimitedText::day_order(int column) const {
 /// Returns the reason why a text has no rows, and a remedy.
 std::string DelimitedText::no_data() const {
   if (text_.find_first_not_of(" \t\r\n") == std::string::npos) return "no data";
-  std::string out = "no data: no line has numbers or times without units that are separated by ";
+  std::string out = "no data: no line has numbers or times (without units) separated by ";
   if (stated_.separator) {
     out += std::string(separator_name(*stated_.separator)) + "s";
   } else {
@@ -459,7 +459,7 @@ std::string DelimitedText::no_data() const {
   }
   if (stated_.skip)
     out += " below the " + std::to_string(*stated_.skip) + " lines that are skipped";
-  return out + ". Export the table with one of these between columns";
+  return out + ". Export the table with one of these separators";
 }
 
 Columns DelimitedText::columns(const Wanted& wanted) const {
@@ -504,7 +504,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
       if (read && !stamps[c] && separator != decimal) {
-        // Fast path for a plain number and its separator, which does not search for the end of the
+        // Reads a plain number and its separator fast, without a search for the end of the
         // cell.
         const char* p = line.data();
         const char* const end = p + line.size();
@@ -558,7 +558,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
                            std::to_string(header_line_ > 0 ? header_line_ : first_line_);
       // If the names do not match the first row, they may not be a header.
       if (row == 0 && header_line_ > 0)
-        reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
+        reason += " (if that line holds no names, state \"header\": 0, or the line of the names)";
       else if (row + 1 == starts_.size())
         reason += ": the last row is truncated; delete it";
       fail(table.place(row), reason);

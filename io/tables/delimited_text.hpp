@@ -1,17 +1,17 @@
 // Tables as text with one row per line. Wheeltap reads all delimited text by the following grammar.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
-//   line = blanks | mark anything | row only the last is a row mark = "#" | "%" |
-//   "!" | "//" | "$" | "&" | ">" | "~" | "@" | "***" row = cell (separator cell)…
-//   [separator] cell = blanks text blanks | blanks '"' text with "" for " '"'
-//   blanks number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf, with
-//   thousands separators or without; an empty cell is NaN, and so are NA, NULL,
-//   "-", "overload" and the like stamp = a date or a time of day
-//   (io/text/time_stamp.hpp)
+//   line   = blanks | mark anything | row         only the last is a row
+//   mark   = "#" | "%" | "!" | "//" | "$" | "&" | ">" | "~" | "@" | "***"
+//   row    = cell (separator cell)… [separator]
+//   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks
+//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf, with thousands separators or
+//            without; an empty cell is NaN, as are NA, NULL, "-", "overload" and similar words
+//   stamp  = a date or a time of day (io/text/time_stamp.hpp)
 //
 // A cell that is not valid UTF-8 is read as Latin-1; UTF-16 is converted.
 //
-// Options that are not set are detected (io/text/text_layout.hpp):
+// If the caller does not set an option, its value is detected (io/text/text_layout.hpp):
 //
 //   - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point
 //     or comma): the pair for which most cells are numbers

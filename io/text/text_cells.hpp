@@ -8,8 +8,8 @@
 
 namespace wheeltap::io {
 
-/// True if a line is a comment. A comment begins with "#", "%", "!", "//", "$", "&", ">", "~", "@"
-/// or "***", but not with a missing value ("#N/A").
+/// True if a line is a comment: it begins with "#", "%", "!", "//", "$", "&", ">", "~", "@" or
+/// "***". A line that begins with a missing value ("#N/A") is not a comment.
 [[nodiscard]] bool is_comment_line(std::string_view line);
 
 /// Removes the mark at the beginning of a comment or a line of names: a comment mark, ";", ":",

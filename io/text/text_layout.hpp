@@ -9,8 +9,8 @@
 
 namespace wheeltap::io {
 
-/// The layout of a text as stated by the caller. Options that are not set are detected. Line
-/// numbers start at 1.
+/// The layout of a text as stated by the caller. If an option is not set, its value is detected.
+/// Line numbers start at 1.
 struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
   std::optional<char> decimal = {};    ///< '.' or ','

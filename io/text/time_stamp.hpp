@@ -20,7 +20,7 @@ namespace wheeltap::io {
 
 struct TimeStamp {
   /// Time since 1970-01-01 00:00, in UTC if the time stamp has a time zone, otherwise in local
-  /// time. For a time stamp without a date, time since midnight.
+  /// time. Without a date, the time since midnight.
   std::int64_t nanoseconds = 0;
   bool has_date = true;
   int decimals = 0;       ///< number of decimals of the seconds

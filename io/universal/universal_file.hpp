@@ -151,7 +151,7 @@ struct UniversalFile {
 };
 
 /// Parses a universal file; messages use `name` for the file. Throws FileError: foreign for other
-/// files; corrupt, with the line number, for a truncated dataset and for invalid or missing
+/// formats; corrupt, with the line number, for a truncated dataset and for invalid or missing
 /// numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);

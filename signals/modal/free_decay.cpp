@@ -152,8 +152,8 @@ DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, d
 
 /// Selects the clusters that explain more of the decays than noise would. For a cluster of noise,
 /// the residual sum of squares increases by a χ² of 2 · channels · decays numbers if the cluster is
-/// removed. Because the frequency is free, the limit is the largest of as many such χ² as samples.
-/// Clusters are removed one by one, the smallest first.
+/// removed. Because the frequency is free, the limit is that of the largest of as many such χ² as
+/// there are samples. Clusters are removed one by one, the smallest first.
 void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   const auto numbers = static_cast<double>(2 * y.cols());
   const double least =

@@ -19,7 +19,7 @@ struct ModalOptions {
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
   std::vector<int> references = {};  ///< reference channels; empty: all channels
-  /// The poles of the diagram that are the modes. If empty, the modes are selected automatically.
+  /// Poles of the diagram that the user chose as modes; if empty, modes are selected automatically.
   std::vector<ChosenPole> poles = {};
   int threads = 0;
 };

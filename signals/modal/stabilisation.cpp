@@ -60,7 +60,7 @@ double good_scatter(const std::vector<double>& sorted) {
   return kGoodScatter * std::min(sorted[sorted.size() / 10], kLucky * sorted.front());
 }
 
-/// The representative of the members of orders >= `from`, if some of these have a small scatter or
+/// The representative of the members of orders >= `from`, if some of them have a small scatter or
 /// if their number is sufficient. Otherwise, the representative of all members.
 int representative(const std::vector<Pole>& poles, const std::vector<int>& members, int from = 0) {
   std::vector<double> all;

@@ -67,15 +67,15 @@ struct Stabilisation {
 };
 
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
-/// joined. The poles of joined clusters have the same shape (MAC above 0.9), their frequencies and
+/// joined. The poles of joined clusters have the same shape (MAC above 0.9). Their frequencies and
 /// damping ratios differ by less than three standard deviations, and the frequencies lie within
 /// their half-power bandwidths. Clusters with different shapes are not joined, even if their
 /// frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least `least_share` of
 /// the model orders from the first model order with this cluster. A cluster is rejected as a
-/// splinter of another cluster if the other cluster lies within three standard deviations and has
-/// the same shape, more poles and at most half the uncertainty.
+/// splinter of a second cluster within three standard deviations if the second cluster has the same
+/// shape, more poles and at most half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
@@ -90,10 +90,10 @@ struct Stabilisation {
 /// therefore a candidate only if its model order contains all steady modes, including those outside
 /// the band, and all modes whose resonance peaks overlap with the peak of this mode. If no pole of
 /// these model orders has an uncertainty as small as the best pole, the best poles of these model
-/// orders are the candidates. If there are fewer than three of these model orders, or all their
-/// poles have twice the uncertainty, poles of every model order can be candidates. Poles without
-/// standard deviations (NaN) require largest_relative_sd = ∞; then the median of all poles
-/// represents the cluster.
+/// orders are the candidates. If these model orders have fewer than three poles, or if their best
+/// pole has more than twice the smallest uncertainty, poles of every model order can be candidates.
+/// Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the median of all
+/// poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -123,9 +123,9 @@ struct ChosenPoleError : std::invalid_argument {
 inline constexpr double kChosenWithin = 0.005;
 
 /// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
-/// representative; a pole of no cluster is a mode by itself. Clusters without a chosen pole are
-/// rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does not
-/// contain, and for a pole chosen twice.
+/// representative; a pole without a cluster becomes a mode by itself. Clusters without a chosen
+/// pole are rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does
+/// not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d of two poles.

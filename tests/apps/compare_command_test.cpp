@@ -160,7 +160,7 @@ TEST_F(Compare, DataThatEachCaseSimulatedAreNone) {
   }
   const Outcome ran = compare("");
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("simulated by its own model"));
+  EXPECT_THAT(ran.err, HasSubstr("simulated from its case"));
 }
 
 }  // namespace

@@ -71,9 +71,9 @@ TEST_F(DataCommand, SaysHowATextIsRead) {
   where.write("whole.csv", "time,acc\n0,1\n10,2\n20,1\n30,3\n");
   EXPECT_THAT(run(path("whole.csv")).out, HasSubstr("\"scale\": 0.001"));
   where.write("fs.txt", "Fs = 200 Hz\nacc [g]\n1\n2\n1\n3\n");
-  EXPECT_THAT(run(path("fs.txt")).out, HasSubstr("200 Hz as line 1 states"));
+  EXPECT_THAT(run(path("fs.txt")).out, HasSubstr("200 Hz, as stated in line 1"));
   where.write("tail.csv", "time [s],a [g]\n0,1\n0.1,2\n0.2,3\n\nEnd of test\n");
-  EXPECT_THAT(run(path("tail.csv")).out, HasSubstr("line 6 behind the rows is not part"));
+  EXPECT_THAT(run(path("tail.csv")).out, HasSubstr("line 6 after the rows is not part"));
 }
 
 // All bits survive a round trip in every format.

@@ -50,7 +50,7 @@ TEST_F(PlanCommand, TheDamageCommandNamesThePlanCommand) {
   const Outcome ran = wheeltap(where, "damage " + where.write_json("case.json", a_case()).string() +
                                           " -o " + (where / "out").string());
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("/data: is missing: the case plans a test: run wheeltap plan"));
+  EXPECT_THAT(ran.err, HasSubstr("/data: is missing: this case plans a test. Run wheeltap plan"));
 }
 
 // Before: a plan with unknown coefficients was refused.

@@ -73,7 +73,7 @@ def main(program):
     kinds = output(program, "explain", "damage.kind")
     assert "(damage)" in kinds and "(structure)" in kinds and "storey" in kinds, kinds
     told = subprocess.run([program, "explain", "decay"], capture_output=True, text=True).stderr
-    assert "These keys mention it: " in told, told
+    assert "These keys mention the word: " in told, told
     wrong = subprocess.run([program, "explain", "poison"], capture_output=True, text=True)
     assert wrong.returncode == 64 and 'did you mean "poisson"' in wrong.stderr, wrong
     print(f"{len(wanted)} commands")

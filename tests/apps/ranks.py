@@ -196,7 +196,7 @@ def check_signals_leave_a_checkpoint(bench):
             process.send_signal(number)
             _, err = process.communicate()
             if number == signal.SIGUSR1:  # mpirun does not forward output after the other signals
-                expect('--resume continues it' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
+                expect('--resume continues the run' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
             # On SIGTERM mpirun waits for a second before it forwards the signal: ranks may have ended by then.
             expect((out / 'checkpoint.nc').exists() or (out / 'posterior.nc').exists(), f'{number.name}: {err}')
             bench.run(*words)  # one process resumes it

@@ -201,7 +201,7 @@ TEST_F(SubstructureDamage, RefusesModesOfATruthThatMakeNoSense) {
   given["data"] = {{"modes", 3}, {"cov", 0.9}, {"seed", 5}};
   refused(given, "/data/frequencies/2: -0.74");
   given["data"] = {{"modes", 3}, {"cov", 0.9}, {"seed", 3}};
-  refused(given, "without shapes frequencies must increase");
+  refused(given, "without shapes, frequencies must increase");
   given["data"] = {{"modes", 3}, {"cov", 0.002}, {"sensors", {{{"dof", 1}}, {{"dof", 3}}}}};
   refused(given, "/data/shape_sd: 0.0: must be > 0");
   given["data"] = {{"modes", 3}, {"cov", 0.002}, {"sensors", {{{"dof", 1}}}}, {"shape_sd", 0.01}};

@@ -100,12 +100,12 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_EQ(table[1]["entered"], 0);
   EXPECT_EQ(table[1]["log_evidence"], -12.0);
   EXPECT_EQ(table[1].value("told", ""),
-            "not entered in 12 345 proposals; its evidence puts it at P ≈ 0.119 ± 0.01");
+            "no jump accepted in 12 345 proposals; its evidence implies P ≈ 0.119 ± 0.01");
   Posterior entered = posterior;
   entered.jumps_accepted[0][1] = 1;
   EXPECT_EQ(model_table(found_in(entered))[1].value("told", ""),
-            "entered once in 12 345 proposals, but in no draw that was kept; its evidence puts it "
-            "at P ≈ 0.119 ± 0.01");
+            "jump accepted once in 12 345 proposals, but no draw kept; its evidence implies "
+            "P ≈ 0.119 ± 0.01");
   Posterior passed_over = posterior;
   passed_over.jumps_proposed = {{0, 0}, {0, 0}};
   passed_over.found[1] = {};
@@ -116,7 +116,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   Posterior hopeless = posterior;
   hopeless.found[1] = found(-2000.0);  // was "P ≈ 0 ± 0"
   EXPECT_EQ(model_table(found_in(hopeless))[1].value("told", ""),
-            "not entered in 12 345 proposals; its evidence puts it at P < 1e-300");
+            "no jump accepted in 12 345 proposals; its evidence implies P < 1e-300");
   EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
@@ -137,7 +137,8 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
                 "\"displacement\" by 7 dB"));
   EXPECT_NEAR(d["resolution"].get<double>(), 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
-            "posterior modes reached from less than 2.3 % of the prior may have been missed");
+            "posterior modes with a basin of attraction below 2.3 % of the prior may have been "
+            "missed");
   EXPECT_TRUE(d["resolution_width"].is_null());
 }
 
@@ -153,17 +154,17 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   EXPECT_EQ(d["resolution_width"], 0.3);
   EXPECT_EQ(
       d["resolution_words"],
-      "posterior modes reached from less than 2.3 % of the prior may have been missed. The "
-      "limit increases in proportion for posterior modes narrower than 0.3 standard deviations "
-      "of the prior; posterior modes narrower than 0.007 standard deviations may have been "
-      "missed anywhere");
+      "posterior modes with a basin of attraction below 2.3 % of the prior may have been missed. "
+      "This limit increases as 1 / width for posterior modes narrower than 0.3 standard "
+      "deviations of the prior; posterior modes narrower than 0.007 standard deviations may have "
+      "been missed in any case");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   const Posterior posterior = made_up(0.0, 1000);
   const Report table = model_table(found_in(posterior));
   EXPECT_TRUE(table[1]["mcse"].is_null());
-  EXPECT_EQ(table[1].value("told", ""), "never proposed; its evidence is not known");
+  EXPECT_EQ(table[1].value("told", ""), "no jump proposed; its evidence is not known");
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
   EXPECT_EQ(d["resolution_words"], "");
@@ -245,9 +246,9 @@ TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   remark::ColouredResiduals coloured{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}};
   EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("similar")));
   coloured.others = {"n"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\" the residuals are similar."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\", the residuals are similar."));
   coloured.others = {"n", "o"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models the residuals are similar."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models, the residuals are similar."));
 }
 
 TEST(Summary, ParameterSummary) {

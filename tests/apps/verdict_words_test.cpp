@@ -28,43 +28,44 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(
       sentence(ModelNotEntered{
           .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
-      "Model 'two' has no draws after 2 469 134 proposals; its evidence puts it at "
+      "Model 'two' has no draws after 2 469 134 proposals; its evidence implies "
       "P ≈ 0.25 ± 0.02. Use more mode searches (--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotEntered{.model = 1, .proposed = 0, .by_evidence = {.value = 0.25}}),
-            "Model 'two' has no draws; its evidence puts it at P ≈ 0.25. Use more mode searches "
+            "Model 'two' has no draws; its evidence implies P ≈ 0.25. Use more mode searches "
             "(--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotInEveryChain{.model = 0, .visited = 3, .chains = 4}),
             "Only 3 of 4 chains have draws of model 'one'. Run longer (--warmup, --draws).");
   EXPECT_EQ(
       sentence(ModelNotInEveryChain{
           .model = 0, .visited = 3, .chains = 4, .by_evidence = {.value = 0.1, .mcse = 0.01}}),
-      "Only 3 of 4 chains have draws of model 'one'; its evidence puts it at P ≈ 0.1 ± 0.01. "
+      "Only 3 of 4 chains have draws of model 'one'; its evidence implies P ≈ 0.1 ± 0.01. "
       "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
             "Model 'two' has no draws after 12 proposals; its evidence is not known. Run "
             "longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
-            "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found, with "
-            "about 30 % of that model. Run longer (--warmup, --draws).");
+            "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found "
+            "(about 30 % of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
-            "No chain has draws of a mode of model 'one' that the searches found, with about 30 % "
-            "of that model. Run longer (--warmup, --draws).");
+            "No chain has draws of a mode of model 'one' that the searches found (about 30 % "
+            "of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeSharesDisagree{
                 .model = 0, .lowest = 0.1, .highest = 0.7, .rhat = 1.3456, .limit = 1.05}),
-            "The chains disagree about a mode of model 'one': its share of their draws of that "
-            "model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
+            "The chains disagree about a mode of model 'one': the share of this mode in the draws "
+            "of that model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(EvidenceUnreliable{.model = 1,
                                         .pareto = 0.93,
                                         .limit = 0.7,
                                         .by_evidence = {.value = 0.001, .mcse = 0.0001},
                                         .factor = 21.2}),
             "The evidence of model 'two' is not known: its largest importance weights decay too "
-            "slowly (Pareto k 0.93, must be at most 0.7), so that it may be too small by a factor "
-            "of 21; its evidence puts it at P ≈ 0.001 ± 0.0001. Use more mode searches (--search) "
+            "slowly (Pareto k 0.93, must be at most 0.7), so that the estimate may be too small "
+            "by a factor of 21; its evidence implies P ≈ 0.001 ± 0.0001. Use more mode searches "
+            "(--search) "
             "or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModesLeftOut{.model = 0, .modes = 12, .share = 0.05}),
-            "The search for the modes of model 'one' found 12 modes more than it can keep, with "
-            "about 5 % of that model. Run longer (--warmup, --draws).");
+            "The search for the modes of model 'one' found 12 modes more than it can keep "
+            "(about 5 % of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingFindsMore{.model = 0,
                                         .annealed = {.value = -47.5, .mcse = 0.1},
                                         .drawn = {.value = -50.51, .mcse = 0.01}}),
@@ -78,8 +79,8 @@ TEST(VerdictWords, OfEachReason) {
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(DrawsBeyondMixture{.model = 0, .share = 0.07, .visits = 27.3, .limit = 100.0}),
             "7 % of the draws of model 'one' lie outside the support of the global proposals, in "
-            "only 27 effective visits (must exceed 100): the chains may have missed a part of this "
-            "region. "
+            "only 27 effectively independent visits (must exceed 100): the chains may have missed "
+            "a part of this region. "
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingDrawsBeyond{.model = 0, .annealed = 0.061, .drawn = 0.003}),
             "6.1 % of the SMC draws of model 'one' lie in a region with only 0.3 % of the chain "

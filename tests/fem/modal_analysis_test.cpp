@@ -169,7 +169,7 @@ TEST(ModalAnalysis, DenseAndSparseAgree) {
 TEST(ModalAnalysis, FindsAllModesOfTheMesh) {
   const Modes all = modal_analysis(slender_beam("simply-supported", 10), {}, {.modes = 20});
   EXPECT_TRUE(all.certified);
-  EXPECT_EQ(all.solver, "dense (most modes of the mesh are wanted)");
+  EXPECT_EQ(all.solver, "dense (most modes of the mesh are requested)");
 }
 
 TEST(ModalAnalysis, StiffSpringsConvergeToRigidSupports) {

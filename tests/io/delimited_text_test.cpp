@@ -95,7 +95,7 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
   EXPECT_EQ(error("a,b\n0,1\n0\n0,1\n"), "t.csv, line 3: 1 columns, must be 2 as in line 1");
   EXPECT_EQ(error("a,b\n0,1,2\n"),
             "t.csv, line 2: 3 columns, must be 2 as in line 1 (if that line holds no names, state "
-            "\"header\": 0, or the line that does)");
+            "\"header\": 0, or the line of the names)");
   EXPECT_EQ(error("0 1\n0 1 2\n0 1\n"), "t.csv, line 2: 3 columns, must be 2 as in line 1");
   EXPECT_EQ(error("a,b\n0,1\n\n0,1\n"),
             "t.csv, line 3: empty line: delete it, or cut the file there if another table follows");
@@ -106,8 +106,8 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
   EXPECT_EQ(error("a,\"b\n0,1\n"),
             "t.csv, line 1, column 2: '\"b' has a quote that is not closed on its line");
   const std::string why =
-      ": no line has numbers or times without units that are separated by commas, semicolons, "
-      "tabs, bars or blanks. Export the table with one of these between columns";
+      ": no line has numbers or times (without units) separated by commas, semicolons, "
+      "tabs, bars or blanks. Export the table with one of these separators";
   EXPECT_EQ(error("a,b\n"), "t.csv: no data" + why);
   EXPECT_EQ(error(""), "t.csv: no data");
   EXPECT_EQ(error("# nothing\n\n"), "t.csv: no data" + why);

@@ -161,7 +161,7 @@ TEST(WorkbookFile, RejectsOtherFilesWithTheRemedy) {
               HasSubstr("a cell is at '?'"));
   EXPECT_THAT(error(workbook("<row><c t=\"s\"><v>7</v></c></row>")), HasSubstr("text 7 of 2"));
   EXPECT_THAT(error(workbook("")), HasSubstr("its sheet \"Log\" is empty"));
-  EXPECT_THAT(error(workbook("<row>")), HasSubstr("is no XML"));
+  EXPECT_THAT(error(workbook("<row>")), HasSubstr("is not XML"));
   EXPECT_THAT(error(workbook(kNames), {.separator = ','}), HasSubstr("leave out separator"));
   std::string cut = workbook(kNames);
   cut.resize(cut.size() / 2);

@@ -73,7 +73,7 @@ Answer answer(const MadeUp& run) {
 TEST(Answer, NoDamage) {
   const Answer a = answer(damage_run({0.93, 0.05, 0.02}));
   EXPECT_EQ(a.headline, "Most likely no damage (93 %).");
-  EXPECT_THAT(a.detail, HasSubstr("Probability of at least one: 7 %."));
+  EXPECT_THAT(a.detail, HasSubstr("Probability of at least one defect: 7 %."));
   EXPECT_THAT(a.detail, Not(HasSubstr("0.095")));
   EXPECT_THAT(a.caution, IsEmpty());
 }
@@ -112,7 +112,7 @@ TEST(Answer, UndecidedCountNamesAllThatCount) {
 TEST(Answer, MirrorImagesAreBothNamed) {
   MadeUp run = damage_run({0.0, 0.75, 0.25});
   run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
-  EXPECT_THAT(answer(run).detail, HasSubstr("or its mirror image 0.905 m"));
+  EXPECT_THAT(answer(run).detail, HasSubstr("or at its mirror image 0.905 m"));
   EXPECT_THAT(answer(run).detail, HasSubstr("cannot distinguish a location from its mirror image"));
 }
 

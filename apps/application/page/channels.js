@@ -19,7 +19,7 @@ const knownOf = async (name, doc, list) => {
   const file = resolved(folderOf(name), (list.kind === 'record' ? block?.file : block?.from) ?? '');
   if (list.kind === 'record') return file ? columnsOf((await get('record', { name: file })).tables[0]) : [];
   if (!block?.from) return [];
-  if (!file?.endsWith('/modes.json')) throw new Error(`${block.from}: the application reads the names of sensors from a file modes.json below its folder only.`);
+  if (!file?.endsWith('/modes.json')) throw new Error(`${block.from}: the application reads names of sensors only from a modes.json inside its own folder.`);
   return (await get('result', { name: file.slice(0, -'/modes.json'.length), file: 'modes.json' })).sensors;
 };
 
@@ -148,7 +148,7 @@ export class ChannelPanel {
   put(place) {
     const row = this.rows[this.selected], support = this.support();
     if (!row) return;
-    if (!takesPlace(row) && row.role !== 'ignore') { say(`${row.name} has the role ${roleWords[row.role] ?? row.role}: it has no place.`, true); return; }
+    if (!takesPlace(row) && row.role !== 'ignore') { say(`${row.name} has the role ${roleWords[row.role] ?? row.role}: channels of this role have no place.`, true); return; }
     const done = this.change(row, (channel) => {
       if (row.role === 'ignore' && this.list().kind === 'record') channel.role = 'response';
       setPlace(channel, place, support);
@@ -253,7 +253,7 @@ export class ChannelPanel {
     const drawable = this.structure() || this.doc.structure?.chain || this.doc.beam || this.doc.models?.[0]?.masses;
     this.drawing.show(drawable ? this.doc : {}, this.named, arrows);
     if (!drawable) this.drawing.place.replaceChildren(element('p', { class: 'empty' }, this.list().kind === 'record'
-      ? 'The case has no geometry, so there is no drawing yet. Choose one below, or type the nodes in the list.' : 'This structure has no drawing: type the places in the list.'));
+      ? 'The case has no geometry, so there is no drawing yet. Choose a structure below, or type the nodes in the list.' : 'This structure has no drawing: type the places in the list.'));
     this.showSource(drawable);
   }
 
@@ -265,11 +265,11 @@ export class ChannelPanel {
     const now = support === 'chain' && !placed ? '' : current, next = this.nextWithout(this.selected);
     const takes = takesPlace(row) || row.role === 'ignore', what = { beam: 'its position on the beam', chain: 'its mass', plane: 'its node', space: 'its node', matrices: '' }[support];
     const where = this.list().kind === 'modes' && ['plane', 'space'].includes(support) ? 'its node, or a point of a member,' : what;
-    const title = element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}: `), !takes ? `the role ${roleWords[row.role] ?? row.role} has no place.`
-      : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no place yet. Click ${where} on the drawing, or type it in the list.`);
+    const title = element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}: `), !takes ? `channels of the role ${roleWords[row.role] ?? row.role} have no place.`
+      : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no place yet. Click ${where} on the drawing, or type the place in the list.`);
     const tools = takes && row.i !== null ? [directions.length ? element('span', { class: 'tools', role: 'radiogroup', 'aria-label': 'Direction' }, directions.map((one) =>
       button(one === 'angles' ? 'angles' : one.replace('-', '−'), () => this.turnTo(row, one), { role: 'radio', 'aria-checked': String(one === now), class: one === now ? 'on' : '', 'data-direction': one, title: one === 'angles' ? 'azimuth and elevation' : null }))) : null,
-    directions.length && vectorOf(channel, support) && support !== 'beam' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The sensor measures against this direction' }) : null,
+    directions.length && vectorOf(channel, support) && support !== 'beam' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The positive axis of the sensor points opposite to this direction' }) : null,
     placed ? button('Clear the place', () => this.change(row, (own) => setPlace(own, null, support))) : null] : [];
     if (next >= 0 && next !== this.selected) tools.push(button(`Next without a place: ${this.rows[next].name}`, () => this.select(next)));
     const focused = this.chooser.contains(document.activeElement) ? document.activeElement.textContent : null;
@@ -434,7 +434,7 @@ export const channelsView = async (place, name) => {
   try { doc = JSON.parse(opened.text); } catch { /* the editor names line and column */ }
   const edit = element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case');
   if (!channelLists(doc).length) {
-    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, 'This case has no channels: a modal case or a system identification has a record, and a damage or update case has sensors or the modes of a modal run.'), element('p', {}, edit));
+    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, 'This case has no channels. A modal case or a system identification takes its channels from its record. A damage or update case takes them from its sensors or from the modes of a modal run.'), element('p', {}, edit));
     return undefined;
   }
   const panel = new ChannelPanel({ name, doc, version: opened.version, changed: () => { document.title = `${panel.unsaved() ? '• ' : ''}${name} · Wheeltap`; } });

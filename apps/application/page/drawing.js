@@ -184,10 +184,10 @@ export class Drawing {
       [['move', 'Select and move'], ['node', 'Add nodes'], ['member', 'Join nodes'], ['delete', 'Delete']].map(([tool, text]) =>
         button(text, () => { this.tool = tool; this.first = undefined; this.again(); }, { role: 'radio', 'aria-checked': String(this.tool === tool), class: this.tool === tool ? 'on' : '' }))) : null;
     const help = solid ? 'Drag the drawing or use the arrow keys to turn it.' : editable ? {
-      move: `Drag a node, or focus it and use the arrow keys; the grid is ${number(this.step)} m. Click a member to see its keys.`,
-      node: `Click where the node is to be; the grid is ${number(this.step)} m.`,
+      move: `Drag a node, or select a node and use the arrow keys. The grid spacing is ${number(this.step)} m. Click a member to see its keys in the case.`,
+      node: `Click the place of the new node. The grid spacing is ${number(this.step)} m.`,
       member: this.first ? `Click the second node of the member from ${this.first}.` : 'Click the two nodes of a member, one after the other.',
-      delete: 'Click a node or a member.',
+      delete: 'Click the node or member to delete.',
     }[this.tool] : '';
     const focused = document.activeElement?.dataset?.node;
     this.place.replaceChildren(...[tools, picture, element('p', { class: 'quiet' }, help)].filter(Boolean));

@@ -74,7 +74,7 @@ export const editorView = async (place, name) => {
   const showDoc = async (skip) => {
     const wanted = ruleName(doc);
     if (!projects.kinds.includes(doc.kind)) {
-      formPlace.replaceChildren(element('p', { class: 'fault' }, `kind must be one of ${projects.kinds.join(', ')}: correct it in the JSON text.`));
+      formPlace.replaceChildren(element('p', { class: 'fault' }, `kind must be one of ${projects.kinds.join(', ')}: correct the key kind in the JSON text.`));
       rules = undefined;
     } else {
       if (!rules || rules.name !== wanted) {

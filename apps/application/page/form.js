@@ -356,11 +356,11 @@ export class Form {
     const text = matrix ? value.map((row) => row.map((x) => x ?? '-').join(', ')).join('\n') : value.map((x) => x ?? '-').join(', ');
     const count = element('small', { class: 'count' }, matrix ? `${value.length} rows` : `${value.length} numbers`);
     const area = element('textarea', { id, rows: matrix ? Math.min(8, value.length + 1) : Math.min(4, 1 + Math.floor(text.length / 60)), spellcheck: 'false', 'aria-label': path.at(-1),
-      title: 'Type numbers, or paste cells of a spreadsheet; - for a value not measured', oninput: () => {
+      title: 'Type numbers, or paste cells of a spreadsheet. Type - for a value that was not measured.', oninput: () => {
         const read = matrix ? tableOf(area.value) : listOf(area.value);
         const bad = !read || (matrix && read.some((row) => row.includes(undefined)));
         area.rows = Math.max(area.rows, Math.min(8, area.value.split('\n').length)); // lines that were pasted
-        count.textContent = bad ? 'not all of this is a number' : matrix ? `${read.length} rows` : `${read.length} numbers`;
+        count.textContent = bad ? 'some entries are not numbers' : matrix ? `${read.length} rows` : `${read.length} numbers`;
         if (!bad) this.set(path, read);
       } });
     area.value = text;

@@ -89,10 +89,10 @@ export const newDamageCase = (result) => attempt(async () => {
     doc.data = { from, ...(doc.data?.from && doc.data.sensors?.length === sensors.length ? { sensors: doc.data.sensors } : {}) };
   } else {
     doc.data = { from, ...makers[kind.structure](doc, { sensors, geometry }) };
-    doc.notes = [`The data are the modes of ${from}. The dimensions, masses and stiffnesses are examples: replace them with yours.`];
+    doc.notes = [`The data are the modes of ${from}. The dimensions, masses and stiffnesses are examples: replace them with those of your structure.`];
     doc.title = `Damage (${modes.title || stem})`;
   }
   await post('save', { name: made, text: `${written(doc)}\n`, before: opened.version });
   location.hash = `#/case/${encodeURIComponent(made)}`;
-  if (!kind.name) say('Replace the example values of the structure with yours. Channels on the structure sets the places of the sensors.');
+  if (!kind.name) say('Replace the example values of the structure with those of your structure. Set the places of the sensors on the page “Channels on the structure”.');
 });

@@ -71,7 +71,7 @@ export const polesView = async (place, name) => {
   const setUp = kept.set_ups[0], about = summary.set_ups ? { ...summary.set_ups[0] } : summary;
   if (kept.set_ups.length !== 1 || !setUp.poles.length) {
     place.replaceChildren(element('h1', {}, `Poles of ${name}`), element('p', {}, kept.set_ups.length > 1
-      ? 'Several set-ups have a diagram each. The choice of poles needs one record, or "merge": "preger".' : 'This method has no stabilisation diagram: use the method ssi-cov.'));
+      ? 'Each set-up has its own diagram, but a choice of poles needs a single diagram. Use one record, or "merge": "preger".' : 'This method has no stabilisation diagram: use the method ssi-cov.'));
     return runsPlace.close;
   }
   let version = opened.version;
@@ -209,7 +209,7 @@ export const polesView = async (place, name) => {
     if (list.length) doc.poles = list.map((p) => ({ order: p.order, frequency: Number(p.f.toPrecision(6)) }));
     else delete doc.poles;
     version = (await post('save', { name, text: `${written(doc)}\n`, before: version })).version;
-    say(list.length ? `${list.length} poles saved in the case.` : 'The case has no poles now: the choice is automatic.');
+    say(list.length ? `${list.length} poles saved in the case.` : 'The case now lists no poles: the next run chooses the poles automatically.');
     return true;
   });
   const set = (list) => { undo.push([...chosen]); chosen.clear(); list.forEach((p) => chosen.add(p.i)); tell(); draw(); };
@@ -229,7 +229,7 @@ export const polesView = async (place, name) => {
       element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case'), element('a', { href: `#/result/${encodeURIComponent(own.result)}` }, 'Results'),
       button('New damage case from these modes …', () => newDamageCase(own.result), { title: 'From the modes of the last run' })),
     readout, diagram, element('p', { class: 'tools' }, exporting.figureButtons(`Stabilisation diagram of ${name}`, () => exporting.svgOf(diagram.querySelector('svg')))),
-    element('p', { class: 'quiet' }, 'Large dots are chosen; blue dots form a mode of the automatic choice and have 95 % intervals. The line is the spectrum of the record in decibels.'), below, runsPlace.place);
+    element('p', { class: 'quiet' }, 'Large dots are the chosen poles. Blue dots are poles of an automatically chosen mode, with 95 % intervals. The line is the spectrum of the record in decibels.'), below, runsPlace.place);
   tell();
   draw();
   return runsPlace.close;

@@ -17,7 +17,7 @@ const link = (kind, name, text = name) => element('a', { href: `#/${kind}/${enco
 const newCase = (projects) => attempt(async () => {
   const choice = element('select', {}, projects.starters.map((s, i) => element('option', { value: i }, meanings[`${s.kind} ${s.structure}`] ?? `${s.kind}, ${s.structure}`)));
   const folder = element('input', { value: 'my-case', required: true, spellcheck: 'false' });
-  const given = await ask('New case', [{ label: 'Kind', control: choice }, { label: 'Folder for its files (a new one)', control: folder }], 'Create');
+  const given = await ask('New case', [{ label: 'Kind', control: choice }, { label: 'New folder for the files of the case', control: folder }], 'Create');
   if (!given) return;
   const { kind, structure } = projects.starters[Number(given[0])];
   const { name } = await post('start', { kind, structure, folder: given[1].trim() });
@@ -56,7 +56,7 @@ const comparison = async (names) => {
     })]),
     ['converged', ...all.map((one) => (one.diagnostics?.converged === undefined ? '–' : String(one.diagnostics.converged)))],
   ];
-  return element('section', {}, element('h2', {}, 'Comparison'), table('Medians, with 95 % intervals in brackets; modes with one standard deviation', ['quantity', ...names], rows, rows));
+  return element('section', {}, element('h2', {}, 'Comparison'), table('Parameters: medians, with 95 % intervals in brackets. Modes: frequencies ± one standard deviation', ['quantity', ...names], rows, rows));
 };
 
 export const projectsView = async (place) => {
@@ -69,7 +69,7 @@ export const projectsView = async (place) => {
     const { cases, results, records } = projects;
     const sections = [
       element('h1', {}, 'Cases'),
-      element('p', { class: 'quiet' }, `Folder ${projects.folder}`, projects.truncated && ': it has too many files; not all are listed'),
+      element('p', { class: 'quiet' }, `Folder ${projects.folder}`, projects.truncated && ': it has too many files to list all of them'),
       element('p', {}, button('New case …', () => newCase(projects), { class: 'main' })),
       cases.length ? table('Cases of the folder', ['case', 'title', 'kind', 'state', 'actions'], cases.map((one) => [
         link('case', one.name), one.title, one.kind, badge(one.state),

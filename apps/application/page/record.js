@@ -85,13 +85,13 @@ export const recordView = async (place, name) => {
 
   const spectrumPlot = (channel, { frequencies_hz: f, density }) => {
     const good = f.map((v, i) => [v, density[i]]).filter(([v, s]) => v > 0 && s > 0);
-    if (good.length < 2) return element('p', { class: 'quiet' }, rateOf() ? 'No spectrum: values are missing in this window.' : 'No spectrum: the file does not state its sampling rate. Type it above.');
+    if (good.length < 2) return element('p', { class: 'quiet' }, rateOf() ? 'No spectrum: values are missing in this window.' : 'No spectrum: the file does not state its sampling rate. Type the sampling rate above.');
     const db = good.map(([v, s]) => [v, 10 * Math.log10(s)]);
     const drawn = plot({ width, height: 240, xs: [0, f.at(-1)], ys: [Math.min(...db.map((p) => p[1])), Math.max(...db.map((p) => p[1]))], xLabel: 'frequency [Hz]', yLabel: 'density [dB]', label: `Spectrum of ${channel.name}` });
     if (band) drawn.picture.append(svg('rect', { class: 'band', x: drawn.x(band[0]), width: drawn.x(band[1]) - drawn.x(band[0]), y: drawn.top, height: drawn.bottom - drawn.top }));
     drawn.picture.append(svg('path', { class: 'trace', d: db.map(([v, l], i) => `${i ? 'L' : 'M'}${drawn.x(v).toFixed(1)} ${drawn.y(l).toFixed(1)}`).join('') }));
     dragged(drawn, (from, to) => setBand([Number(Math.max(0, from).toPrecision(3)), Number(to.toPrecision(3))]));
-    return figure(`Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
+    return figure(`Spectrum of ${channel.name} in this window. Drag across the spectrum to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
   };
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });

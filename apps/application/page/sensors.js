@@ -143,7 +143,7 @@ export const writable = (doc, list, row, known, support) => {
   if (!Array.isArray(block.sensors)) {
     const turned = known.find((sensor) => sensor.azimuth !== undefined || sensor.elevation !== undefined);
     if (turned && ['plane', 'space'].includes(support))
-      throw new Error(`The sensor ${turned.name} of ${block.from} has azimuth and elevation, which the key sensors of a case cannot state. Set its channel in the modal case instead.`);
+      throw new Error(`The sensor ${turned.name} of ${block.from} has azimuth and elevation, which the key "sensors" of this case cannot state. Set the direction of this channel in the modal case instead.`);
     block.sensors = known.map((sensor) => {
       const made = {}, place = placeOf(sensor, support);
       if (support !== 'beam' && sensor.direction) setDirection(made, sensor.direction, support);

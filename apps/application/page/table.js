@@ -18,7 +18,7 @@ export const figure = (caption, picture, title = caption) => element('figure', {
 
 export const states = {
   draft: ['Draft', 'its keys are not valid yet'], ready: ['Ready', 'not run yet'], running: ['Running', ''],
-  interrupted: ['Interrupted', 'a checkpoint exists: continue it'], converged: ['Converged', ''],
+  interrupted: ['Interrupted', 'a checkpoint exists: the run can continue'], converged: ['Converged', ''],
   'not-converged': ['Not converged', 'the run needs more draws'], done: ['Done', ''], alarm: ['Alarm', ''],
   changed: ['Changed', 'edited since its last run'], queued: ['Waiting', ''], stopping: ['Stopping', ''], stopped: ['Stopped', ''], failed: ['Failed', ''],
 };

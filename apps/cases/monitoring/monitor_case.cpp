@@ -160,7 +160,7 @@ void read_features(const signals::Record& table, const SeriesColumns& columns,
       if (x <= 0.0 || std::isinf(x))
         refuse_row(table, static_cast<int>(i), column,
                    base::number(x) +
-                       ": a feature must be positive and finite; leave the cell empty where the "
+                       ": a feature must be positive and finite; leave the cell empty if the "
                        "value is missing");
       out.features(i, j) = x;
       series.features(i, j) = std::log(x);
@@ -199,20 +199,20 @@ void read_times(const signals::Record& table, const SeriesColumns& columns, Moni
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]))
       refuse_row(table, static_cast<int>(i), column,
-                 "time is missing or no number: give every row a time, or remove the row");
+                 "time is missing or not a number: give every row a time, or remove the row");
     out.series.hours.push_back(times[i] * out.time.hours_per_unit);
     if (i == 0 || times[i] > times[i - 1]) continue;
     const std::string now = out.time.text(out.series.hours[i]);
     refuse_row(table, static_cast<int>(i), column,
                times[i] == times[i - 1]
                    ? now + ": the time equals that of the previous row: remove the repeated row" +
-                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
-                                                    "were set back"
+                         (out.time.unit == "date" ? ", or state the time zone of each time if "
+                                                    "clocks were set back"
                                                   : "")
                    : now + ": time goes backwards, from " + out.time.text(out.series.hours[i - 1]) +
                          ": sort the rows by time" +
-                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
-                                                    "were set back"
+                         (out.time.unit == "date" ? ", or state the time zone of each time if "
+                                                    "clocks were set back"
                                                   : ""));
   }
 }
@@ -229,8 +229,8 @@ void read_learning(MonitorCaseFile& out) {
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
     if (stamp->has_zone && !out.time.has_zone)
       out.file.refuse(where,
-                      "states a time zone, but the times of the series state none: write it "
-                      "without a zone, in the time of the series");
+                      "states a time zone, but the times of the series state none: write this date "
+                      "without a zone, as the times of the series");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())
@@ -275,7 +275,7 @@ void warn_of_error_codes(MonitorCaseFile& out) {
                              base::number(u) + " at " + out.time.text(out.series.hours[index(i)]) +
                              ", in the training period, where its median is " +
                              base::number(centre) +
-                             ": leave the cell empty if this is an error code.");
+                             ": leave the cell empty if this value is an error code.");
       break;
     }
   }
@@ -314,7 +314,7 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
         break;
       case Kind::sd_not_positive:
         out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
-                        "has no value in a row where the feature has one: leave both empty");
+                        "has no value in a row with a feature value: leave both cells empty");
       default:
         break;  // times and training period were checked before
     }
@@ -337,7 +337,7 @@ void read_alarm(MonitorCaseFile& out) {
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
-    // A transient decays in hours, and rows have none. It would explain a damage in the first rows.
+    // A transient decays in hours, but rows have no times. It could explain damage in the first rows.
     options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");
@@ -350,7 +350,7 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.most_hinges = learning.value("hinges", 3);
   options.learning.hinges = options.learning.most_hinges > 0;
   options.learning.lag = learning.value("lag", true);
-  // Short chains disagree about many correlated covariates. Longer ones take seconds for few rows.
+  // Short chains disagree on many correlated covariates. For few rows, long chains take seconds only.
   constexpr long kFewEntries = 20'000;
   if (static_cast<long>(out.learning_rows) * out.series.feature_count() <= kFewEntries) {
     options.learning.engine_warmup = 8000;
@@ -372,7 +372,7 @@ void check_source(const CaseFile& file) {
                                    "\": give only one of the two keys");
   const bool table = sources[0] == "features";
   const auto need = [&](const char* key) {
-    if (!series.contains(key)) file.refuse(kSeries / key, "is missing: the table needs it");
+    if (!series.contains(key)) file.refuse(kSeries / key, "is missing: a table needs this key");
   };
   const auto reject = [&](const char* key, const std::string& why) {
     if (series.contains(key) && !series.at(key).is_null()) file.refuse(kSeries / key, why);
@@ -380,11 +380,11 @@ void check_source(const CaseFile& file) {
   if (table) {
     need("file");
     need("time");
-    reject("times", "is for \"modes\" and \"records\": a table has its own column of times");
+    reject("times", "is allowed with \"modes\" and \"records\" only: a table has a time column");
     return;
   }
-  reject("file", "is for a table of features: remove it, or name its columns in \"features\"");
-  reject("sd", "is for a table of features: modes come with their standard deviations");
+  reject("file", "is allowed with \"features\" only: remove it, or name columns in \"features\"");
+  reject("sd", "is allowed with \"features\" only: modes have their own standard deviations");
   for (const char* key : {"time", "time_unit", "covariates"})
     if (!series.contains("times")) reject(key, "needs \"times\", a table of file and time");
 }

@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 struct MonitoredStructure {
-  /// The kinds of defect of the case. If none of these kinds is an added mass, and the structure
-  /// has members or is a chain of masses, an added mass at any location is appended.
+  /// The kinds of defect of the case. An added mass at any location is appended if no kind is an
+  /// added mass and the structure has members or is a chain of masses.
   DamageCaseFile parsed;
   std::vector<int> modes = {};         ///< elastic mode (from 0) of each feature
   std::vector<double> intact_hz = {};  ///< frequencies of these modes in the intact model

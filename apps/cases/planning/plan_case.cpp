@@ -315,7 +315,8 @@ void take_layouts(const CaseFile& file, PlanCase& plan) {
       const int sensor = p["layouts"][i][j].get<int>();
       if (sensor < 0 || sensor >= candidates || std::ranges::find(layout, sensor) != layout.end())
         file.refuse(plan_key("layouts") / i / j, "must be the number of a candidate sensor, 0 to " +
-                                                     std::to_string(candidates - 1) + ", once");
+                                                     std::to_string(candidates - 1) +
+                                                     ", used once");
       layout.push_back(sensor);
     }
     std::ranges::sort(layout);

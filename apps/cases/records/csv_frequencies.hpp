@@ -26,7 +26,7 @@ struct FrequencyTable {
 /// Parses frequencies in delimited text (io/tables/delimited_text.hpp) with a header line. `name`
 /// is the name of the file in messages. Throws Failure (65), with line and column, for a cell that
 /// is not a positive finite number, and for a missing row or column. Throws io::FileError (corrupt)
-/// for other text.
+/// for an invalid table.
 [[nodiscard]] FrequencyTable parse_frequency_csv(std::string bytes,
                                                  const std::filesystem::path& name,
                                                  const FrequencyCells& cells);

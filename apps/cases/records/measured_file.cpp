@@ -47,14 +47,14 @@ std::vector<std::string> reading_in_words(const MeasuredTable& table) {
     if (std::ranges::find(units, text) == units.end()) units.push_back(std::move(text));
   }
   if (!units.empty()) {
-    std::string text = "Cases convert to SI: ";
+    std::string text = "Cases convert these units to SI: ";
     for (std::size_t i = 0; i < units.size(); ++i) text += (i > 0 ? "; " : "") + units[i];
     out.push_back(text + ".");
   }
   for (const MeasuredChannel& c : table.channels)
     if (!c.possible_unit.empty())
       out.push_back(c.name + ": if its numbers are in " + c.possible_unit + ", state \"unit\": \"" +
-                    c.possible_unit + "\" in its channel, or call it \"" + c.name + " [" +
+                    c.possible_unit + "\" in its channel, or name the column \"" + c.name + " [" +
                     c.possible_unit + "]\".");
   for (std::string& text : left_out_in_words(table)) out.push_back(std::move(text));
   return out;
@@ -104,13 +104,13 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
                std::string(found.value > 0.0 ? "rises" : "falls") + " by " + in_sd(found.value) +
                " standard deviations";
       case wander:
-        return "wanders: the standard deviation of the mean values of twenty blocks is " +
-               in_sd(100.0 * found.value) + " % of that of all samples";
+        return "wanders: the mean values of twenty blocks have a standard deviation of " +
+               in_sd(100.0 * found.value) + " % of the standard deviation of all samples";
       case offset:
         return "has a DC offset of " + in_sd(found.value) + " standard deviations";
       case coarse:
         return "is coarse: the quantisation step is " + in_sd(100.0 * found.value) +
-               " % of its standard deviation";
+               " % of the standard deviation";
     }
     return {};
   };

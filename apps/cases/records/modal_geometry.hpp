@@ -36,8 +36,8 @@ struct Geometry {
 /// Input of shapes.js: {"dimension", "drawing": {"points", "lines", "modes": [{"frequency_hz",
 /// "motions", "quadrature"}], "as"}}. The displacement of a node is the displacement of minimum
 /// norm that agrees with the sensors at the node. Each shape is rotated by principal_angle() and
-/// scaled to a largest displacement of 1. Nodes that have no sensor and are not fixed are drawn
-/// only at rest, as are lines to these nodes. The result is null if no sensor is at a node of the
+/// scaled to a largest displacement of 1. Nodes without a sensor that are not fixed, and lines to
+/// these nodes, are drawn only at rest. The result is null if no sensor is at a node of the
 /// geometry.
 [[nodiscard]] Report modal_drawing(const Geometry& geometry, const ModesFile& modes);
 

@@ -29,13 +29,13 @@ struct ModesFile {
   std::vector<int> numbers = {};  ///< mode numbers, ascending, at least 1; empty: 1, 2, …
   /// Frequencies and damping ratios; a damping ratio is NaN if unknown
   Eigen::VectorXd frequencies_hz = {}, damping = {};
-  /// Covariance of all frequencies and then all damping ratios; empty if the identification method
-  /// does not compute it.
+  /// Covariance of the vector of all frequencies, then all damping ratios; empty if the
+  /// identification method does not compute it.
   Eigen::MatrixXd covariance = {};
   /// Mode shapes, one column per mode, largest entry 1; NaN: not measured
   Eigen::MatrixXcd shapes = {};
-  /// Covariance of the real parts and then the imaginary parts of each shape; empty if `covariance`
-  /// is empty.
+  /// Covariance of the vector of real parts, then imaginary parts, of each shape; empty if
+  /// `covariance` is empty.
   std::vector<Eigen::MatrixXd> shape_covariance = {};
   std::string quantity = {};  ///< quantity of all shapes; empty: unknown
   std::vector<bool> doubtful = {};

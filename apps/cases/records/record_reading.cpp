@@ -94,9 +94,9 @@ std::string layout_in_words(const io::FoundLayout& layout) {
   if (layout.tail_from > 0)
     out += "; " +
            (layout.tail_from == layout.tail_to
-                ? "line " + std::to_string(layout.tail_from) + " behind the rows is"
+                ? "line " + std::to_string(layout.tail_from) + " after the rows is"
                 : "lines " + std::to_string(layout.tail_from) + " to " +
-                      std::to_string(layout.tail_to) + " behind the rows are") +
+                      std::to_string(layout.tail_to) + " after the rows are") +
            " not part of the table";
   if (!layout.start.empty()) {
     out += "; time stamps";
@@ -141,8 +141,8 @@ std::string sampling_in_words(const signals::Sampling& sampling) {
                     "[ms]\" or give its channel \"role\": \"time\" and \"scale\": 0.001."
                   : "");
     case TimeBasis::header:
-      return base::significant(sampling.rate_hz, 6) + " Hz as line " +
-             std::to_string(sampling.line) + " states.";
+      return base::significant(sampling.rate_hz, 6) + " Hz, as stated in line " +
+             std::to_string(sampling.line) + ".";
     default:
       return {};
   }

@@ -69,7 +69,7 @@ RepeatedTests parse_repeats(const CaseFile& file, const Pointer& where, bool asc
   const Pointer at = where / "repeats";
   const Json& json = file.json.at(at);
   const Pointer place = json.is_object() ? at / "file" : at;
-  // The message of a refused list states the place only, not the whole list.
+  // The message on a rejected list states only the place, not the whole list.
   const auto refuse = [&](const std::string& message) {
     if (json.is_object()) file.refuse(place, message);
     throw Failure(Exit::bad_input, file.path.string() + ": " + at.to_string() + ": " + message);
@@ -119,7 +119,7 @@ std::string in_words(const RepeatedTests& tests, const std::string& origin) {
     if (tests.inflation[j] > 1.0)
       independent = std::min(independent, tests.identified[j] / tests.inflation[j]);
   if (std::isfinite(independent))
-    out += "; consecutive tests are correlated: the mean has the error of about " +
+    out += "; consecutive tests are correlated: the error of the mean is that of about " +
            significant(independent, 2) + " independent tests (worst mode)";
   return out;
 }

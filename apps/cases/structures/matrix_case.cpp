@@ -107,7 +107,7 @@ StructureModel parse_matrices(const CaseFile& file) {
           file.refuse(where / i,
                       "is " + std::to_string(one.rows()) + " x " + std::to_string(one.cols()) +
                           ": must be " + std::to_string(part.stiffness.rows()) + " x " +
-                          std::to_string(part.stiffness.cols()) + ", as the previous ones");
+                          std::to_string(part.stiffness.cols()) + ", like the previous matrices");
         } else {
           part.stiffness += one;
         }

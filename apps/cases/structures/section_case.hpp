@@ -46,7 +46,7 @@ struct MeshedSection {
 
 struct BeamSection {
   fem::Section section;
-  double density;  ///< mass per length of the beam divided by the section's area
+  double density;  ///< (mass per length of the beam) / (area of the section)
 };
 /// Parses the section of a plane beam: bending about y (the width), shear along z.
 [[nodiscard]] BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,

@@ -225,7 +225,7 @@ class Examination {
           fitting.push_back(&candidate);
         }
       }
-      // The required keys that an object has determine its kind.
+      // The kind of an object follows from the required keys in the object.
       const auto named = [&](const Json* candidate) {
         const Json required = candidate->value("required", Json::array());
         return value.is_object() && !required.empty() &&

@@ -43,7 +43,7 @@ class Places {
     return form;
   }
 
-  /// `within`: the references followed so far, which detects recursion.
+  /// `within` holds the references followed so far, to detect recursion.
   void walk(const Json& rule, const Path& path, const std::string& shown,
             std::set<std::string> within) {
     if (rule.contains("$ref")) {

@@ -42,12 +42,13 @@ AnyJson law_rule(const dynamics::LawInfo& law) {
   }
   if (law.one_sided) {
     object["properties"]["side"] = {
-        {"description", "the side on which it acts: \"opening\" (e > 0) or \"closing\" (e < 0)"},
+        {"description",
+         "the side on which the law acts: \"opening\" (e > 0) or \"closing\" (e < 0)"},
         {"enum", {"opening", "closing"}}};
     object["required"].push_back("side");
   }
   object["additionalProperties"] = false;
-  object["x-hint"] = "`wheeltap laws " + std::string(law.name) + "` explains it";
+  object["x-hint"] = "`wheeltap laws " + std::string(law.name) + "` explains this law";
   AnyJson rule = object;
   rule["type"].push_back("array");
   rule["minItems"] = 1;

@@ -123,7 +123,7 @@ void add_explanations(const MonitorCaseFile& parsed,
     monitor["probability_damage"] = monitor["probability_other"] = nullptr;
     return;
   }
-  // At least one of the changes is a damage; at least one is a change of another cause.
+  // Probability that at least one change is a damage, and that at least one has another cause.
   double no_damage = 1.0, no_other = 1.0;
   for (std::size_t i = 0; i < explained.size(); ++i) {
     const double changed = monitor["alarms"][i]["probability_changed"].get<double>();
@@ -132,7 +132,7 @@ void add_explanations(const MonitorCaseFile& parsed,
   }
   monitor["probability_damage"] = 1.0 - no_damage;
   monitor["probability_other"] = 1.0 - no_other;
-  // As in damage runs: the first kind that is damage.
+  // The first kind of defect that is damage, as in damage runs.
   const auto& is_mass = parsed.structure->causes.is_mass;
   const auto k = static_cast<std::size_t>(std::ranges::find(is_mass, false) - is_mass.begin());
   const ChangeExplanation& last = explained.back();
@@ -155,7 +155,7 @@ std::vector<std::string> explanation_in_words(const Report& alarm) {
   std::vector<std::string> out = {
       "Cause: damage " + share("probability_damage") + ", an added mass " +
       share("probability_added_mass") + ", a sensor fault " + share("probability_sensor_fault") +
-      ", none of these " + share("probability_other") + ". The shift lies " +
+      ", none of these " + share("probability_other") + ". The shift differs by " +
       rounded_text(e.at("sds_from_damage").is_null() ? NAN
                                                      : e.at("sds_from_damage").get<double>()) +
       " of its standard deviations from the nearest shift that damage can cause."};

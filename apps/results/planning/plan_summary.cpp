@@ -340,14 +340,14 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   out["title"] = parsed.parsed.damage.title + ": the planned test";
   out["notes"] = {
       "Written by wheeltap plan: the recommended sensors and the uncertainty of their data.",
-      "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\", and "
-      "replace the keys of data by \"from\": \"modes.json\" and \"sensors\"."};
+      "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\". In "
+      "\"data\", keep only \"sensors\", and add \"from\": \"modes.json\"."};
   // A case with unknown coefficients needs measured modes: Wheeltap does not simulate its data.
   const bool known = structure.unknowns() == 0;
   if (!known)
     out["notes"] = {
-        "Written by wheeltap plan: the recommended sensors. Put the modes.json of the test beside "
-        "this case."};
+        "Written by wheeltap plan: the recommended sensors. Put the modes.json of the test in the "
+        "folder of this case."};
   Report data = {{"cov", compact(cov)}};
   Report truth = {{"defects", Report::array({defect})}, {"cov", compact(cov)}, {"modes", modes}};
   if (best.design.sensors.size() >= 2) {

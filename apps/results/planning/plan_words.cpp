@@ -41,7 +41,7 @@ std::string regions_in_words(const Report& regions, const std::string& by) {
   for (std::size_t i = 0; i < pairs.size(); ++i) out += (i > 0 ? "; " : "") + pairs[i];
   if (regions.size() > pairs.size())
     out += "; and " + std::to_string(regions.size() - pairs.size()) + " more pairs of regions";
-  return out + (exact ? ". They are mirror images." : ".");
+  return out + (exact ? ". These locations are mirror images." : ".");
 }
 
 std::string separation_in_words(const Report& separation, bool none_yet) {
@@ -57,7 +57,7 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
                           ? "The cheapest sensors that distinguish the locations are "
                           : "The cheapest further sensor that distinguishes these locations is ") +
           in_words(names_of(s.at("sensor_names"))) + " (" + share(s) + ")" +
-          (none_yet ? "; two are needed, since shapes have no scale." : ".");
+          (none_yet ? "; two are needed, because shapes have no scale." : ".");
   if (const Report& m = separation.at("mass"); !m.is_null())
     out += (out.empty() ? "" : " ") + std::string("The added mass of ") +
            m.at("mass").get<std::string>() + ", in a second state of the test, distinguishes " +
@@ -174,11 +174,11 @@ std::string check_sentence(const Report& plan) {
     return "The full engine missed the true damage in all of the " + std::to_string(missed) +
            " checked tests.";
   std::string out =
-      "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
+      "The full engine analysed " + std::to_string(check.at("tests").get<int>()) +
       " of the simulated tests. " +
       (missed > 0
            ? "In " + std::to_string(missed) +
-                 " of these tests, its search missed the true damage; these tests do not count. "
+                 " of these tests, the search missed the true damage; these tests are not counted. "
            : std::string()) +
       "In the counted tests, " + std::to_string(check.at("damaged").get<int>()) +
       " of them with damage, P(at least one damage) of the engine differs by " +

@@ -11,11 +11,11 @@ namespace wheeltap::apps {
 
 inline constexpr const char* kBatchFolders = "batch.json";
 
-/// Assigns a folder to each case of a batch. The path of a case identifies the case, not its
-/// position in the list. A case therefore keeps its folder if the list grows, shrinks or changes
-/// its order between two calls. Paths are relative to the batch folder, so that cases and batch
-/// folder can be moved together. FOLDER/batch.json stores paths and folders: {"format": 1,
-/// "folders": [{"case": "../a/case.json", "folder": "case"}, …]}.
+/// Assigns a folder to each case of a batch. A case is identified by its path, not by its position
+/// in the list. A case therefore keeps its folder if the list grows, shrinks or changes its order
+/// between two calls. Paths are relative to the batch folder, so that cases and batch folder can be
+/// moved together. FOLDER/batch.json stores paths and folders: {"format": 1, "folders": [{"case":
+/// "../a/case.json", "folder": "case"}, …]}.
 class BatchFolders {
  public:
   /// With `resume`, reads FOLDER/batch.json. Throws io::FileError (foreign) if batch.json is not a

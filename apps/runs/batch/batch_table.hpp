@@ -49,7 +49,7 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// null.
 [[nodiscard]] std::string batch_json(const std::vector<std::optional<BatchRow>>& rows);
 
-/// Returns a line without a line break: "[ 3/10] name 2 damages, P = 97 % converged 12 s".
+/// Returns a line without a line break: "[ 3/10] name  2 damages, P = 97 %  converged  12 s".
 [[nodiscard]] std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all);
 
 }  // namespace wheeltap::apps

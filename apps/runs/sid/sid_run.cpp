@@ -104,7 +104,7 @@ class SidCaseRun final : public CaseRun {
 
   std::vector<ServedModel> served() override {
     SidCaseFile chosen = *parsed_;
-    // As in the first step of a run: choose the residual orders that the case does not state.
+    // Choose the residual orders that the case does not state, as in the first step of a run.
     choose_residuals(chosen.sid, seed(), common().threads);
     return explained(chosen, [&] {
       return apps::served(std::shared_ptr<const SidProblem>(make_sid_problem(chosen.sid)));

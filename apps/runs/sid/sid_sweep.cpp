@@ -268,7 +268,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   });
   if (finished && !first) return;
   if (finished) {
-    log.info("{} has this sweep, finished; nothing is run again.",
+    log.info("{} holds the finished results of this sweep; nothing is run again.",
              io::printable(common.output.string()));
     std::cout << *finished;
     // Remove files that a run could not remove because it was killed at its end.

@@ -39,7 +39,7 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
   std::size_t end = 0;
   try {
     const std::string text = io::read_bytes(path_);
-    const bool begun = header.starts_with(text);  // killed within the first line
+    const bool begun = header.starts_with(text);  // true if killed within the first line
     if (!begun && !text.starts_with(kMagic)) {
       fail(path_,
            "exists already and is not the journal of a sweep, and Wheeltap does not overwrite it; "

@@ -101,9 +101,9 @@ class ParametricModes {
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
   /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative
   /// distance of modes is below 1e-6, the derivatives of their shapes exclude the rotation among
-  /// these modes, which is not determined. If the full structure was solved, the derivatives are
-  /// those of the basis. Returns false without derivatives if the matrices are not affine in θ or
-  /// the faster solution failed.
+  /// these modes, because it is not determined. If the full structure was solved, the derivatives
+  /// are those of the basis. Returns false without derivatives if the matrices are not affine in θ
+  /// or the faster solution failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 

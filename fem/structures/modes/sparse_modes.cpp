@@ -30,8 +30,8 @@ constexpr double kCountGap = 1e-6, kClearGap = 1e-3;
 constexpr double kSolved = 1e-6, kRounding = 1e-6;
 /// Lanczos' method finds only one of several equal modes; each further round finds another.
 constexpr Index kRounds = 4;
-/// Number of steps in addition to two per mode until the first check of convergence; between two
-/// checks; and in addition to three per mode until the last check.
+/// Convergence is first checked after 2 steps per mode plus kBeforeChecks, then every
+/// kBetweenChecks steps. The largest number of steps is 3 per mode plus kSpareSteps.
 constexpr Index kBeforeChecks = 4, kBetweenChecks = 3, kSpareSteps = 60;
 
 std::size_t at(Index i) {
@@ -200,8 +200,8 @@ MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
   return out;
 }
 
-/// Computes the Ritz modes in the span of `ws.modes`, whose eigenvalue errors are of second order,
-/// and the norms of their residuals.
+/// Computes the Ritz modes in the span of `ws.modes` and the norms of their residuals. The errors
+/// of the Ritz values are of second order.
 bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const {
   MatrixXd momenta(n_, elastic_);
   for (Index i = 0; i < elastic_; ++i)

@@ -21,9 +21,9 @@ namespace wheeltap::fem {
 /// The object is immutable after construction; each thread needs its own workspace.
 class SparseModes {
  public:
-  /// `elastic` modes are computed; the structure has `massive` modes (`mode_count`). `start` holds
-  /// modes at θ₀ (n × any number), `motions` the requested components of the shapes. The structure
-  /// must be affine, must not have rigid-body motions, and must outlive this object.
+  /// `elastic` is the number of modes to compute, `massive` the number of all modes (`mode_count`).
+  /// `start` holds modes at θ₀ (n × any number), `motions` the requested components of the shapes.
+  /// The structure must be affine, must not have rigid-body motions, and must outlive this object.
   SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
               const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 
@@ -50,7 +50,7 @@ class SparseModes {
   bool differentiate(Workspace& ws, double twin, Eigen::MatrixXd& eigenvalues,
                      std::vector<Eigen::MatrixXd>& shapes) const;
 
-  /// The number of multiplications of one solution with its derivatives, approximately.
+  /// The approximate number of multiplications in one solution with its derivatives.
   [[nodiscard]] double cost() const;
 
  private:

@@ -349,7 +349,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   const bool most = 3 * (modes + kExtra) > n;
   Ritz ritz{.values = VectorXd(0), .shapes = MatrixXd(n, 0)};
   bool densely = n <= kDense || most;
-  out.solver = densely ? "dense (few degrees of freedom, or most of the modes wanted)" : "spectra";
+  out.solver = densely ? "dense (few degrees of freedom, or most modes requested)" : "spectra";
   if (elastic > 0 && !densely) {
     MatrixXd found = rigid;
     MatrixXd known = rigid / std::sqrt(unit);

@@ -225,7 +225,7 @@ void ColumnFactor::add_softening_row(Index i) {
     // alone. With compression, the pivot is positive unless the structure buckles (Sylvester).
     if (intact.compressed && !(value > 0.0))
       throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
-                             ": too little for the axial forces, the structure buckles");
+                             ": too small for the axial forces, so the structure buckles");
     if (!intact.compressed) value = std::max(value, s.remaining / (1.0 - s.remaining));
     factor(first + i, first + i) = std::sqrt(value);
   }

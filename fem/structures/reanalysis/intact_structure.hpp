@@ -28,7 +28,7 @@ struct IntactStructure {
   int modes;           // number of kept modes; all modes for a small structure
   int massive;         // number of kept modes with mass
   int rigid;           // number of modes at λ = 0
-  std::size_t stride;  // modes, and at least two
+  std::size_t stride;  // `modes`, but at least two
   std::vector<double> eigenvalues, scales, compliances;  // stride
   std::vector<double> frequencies;                       // wanted
   std::vector<double> dof_rows;                          // n × stride

@@ -89,7 +89,7 @@ struct ResidualFlexibility::Impl {
   std::shared_ptr<const Discretisation> d;
   std::optional<StaticCondensation> parts;
   MatrixXd shapes, mass_shapes;
-  RowMajor shape_rows, mass_rows;  // the same, a row a degree of freedom
+  RowMajor shape_rows, mass_rows;  // the same, one row per degree of freedom
   VectorXd eigenvalues;
   std::vector<char> held;  // degrees of freedom that hold the rigid motions
   Eigen::SimplicialLDLT<Discretisation::Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt;
@@ -320,7 +320,7 @@ std::pair<double, double> ResidualFlexibility::responses(const SparseRow& row,
 ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const Index m = moments[0].rows();
   ResidualModes out{.eigenvalues = {}, .forms = MatrixXd(m, 0), .weights = MatrixXd(2 * m, 0)};
-  // No residual modes: nothing changes, or only restrained motions change.
+  // There are no residual modes if nothing changes or if only restrained motions change.
   if (m == 0 || !(moments[0].diagonal().maxCoeff() > 0.0)) return out;
   MatrixXd stiffness(2 * m, 2 * m), mass(2 * m, 2 * m);
   stiffness << moments[0], moments[1], moments[1], moments[2];

@@ -77,9 +77,9 @@ class ResidualFlexibility {
 ///   [R₀ R₁; R₁ R₂] y = θ [R₁ R₂; R₂ R₃] y.
 ///
 /// The residual modes and the kept modes together represent a constrained structure. The
-/// frequencies of the constrained structure are never below those of the whole structure, with or
-/// without changes along these forms. (The method is block Gauss quadrature of the sum over the
-/// other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
+/// frequencies of the constrained structure are never below those of the whole structure, also if
+/// the same changes act on the forms of both. (The method is block Gauss quadrature of the sum over
+/// the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
 struct ResidualModes {
   Eigen::VectorXd eigenvalues;  ///< θ, ascending
   Eigen::MatrixXd forms;        ///< m × modes: values of the forms for the mass-normalised modes

@@ -244,7 +244,7 @@ StaticCondensation::Local StaticCondensation::local(const SparseRow& load) const
   for (const int dof : load.dofs) {
     const int part = part_of_[index(dof)];
     if (part >= 0 && out.part >= 0 && part != out.part)
-      throw std::invalid_argument("a load on two parts of a structure");
+      throw std::invalid_argument("a load acts on two parts of a structure");
     out.part = std::max(out.part, part);
   }
   if (out.part < 0) {
@@ -267,7 +267,7 @@ StaticCondensation::Local StaticCondensation::local(const SparseRow& load) const
     }
     const auto at = std::ranges::lower_bound(part.edge, place);
     if (at == part.edge.end() || *at != place)
-      throw std::invalid_argument("a load beyond the edge of a part of a structure");
+      throw std::invalid_argument("a load acts beyond the edge of a part of a structure");
     on_edge(at - part.edge.begin(), 0) = load.coefficients[i];
   }
   Wide inside = out.load.cast<long double>();

@@ -46,8 +46,8 @@ void write_full_frequencies(const Discretisation& intact, const StructureChange&
   const auto count = static_cast<int>(frequencies_hz.size());
   const StructureModes full = structure_modes(changed(intact, change), count);
   if (!full.certified)
-    throw std::runtime_error("the changed structure: whether its first " + std::to_string(count) +
-                             " modes are complete could not be verified");
+    throw std::runtime_error("the changed structure: could not verify that its first " +
+                             std::to_string(count) + " modes are complete");
   std::ranges::copy(full.frequencies_hz, frequencies_hz.begin());
 }
 
@@ -198,7 +198,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   validate(*intact.discretisation, change);
   if (!change.scalings.empty())
     throw std::invalid_argument(
-        "a part of the stiffness that changes as a whole: its rank is too high for reanalysis");
+        "a changed part of the stiffness matrix has a rank that is too high for reanalysis");
   require_sizes(results);
   work.set(intact, change, detail::secular_kernel());
   const std::size_t n = results.frequencies_hz.size();

@@ -24,7 +24,7 @@ namespace wheeltap::fem {
 /// tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// For larger structures, the lowest p modes are kept. Two further modes per column
-/// (`ResidualModes`) match the residual flexibility along the changes up to λ³. The computed
+/// (`ResidualModes`) match the residual flexibility for the columns up to λ³. The computed
 /// frequencies are those of a constrained structure, so they are not below the true frequencies.
 /// The error bound follows from an eigenvalue count with S minus the largest possible contribution
 /// of the omitted modes. If this error bound exceeds 1e-6, the full problem of the changed
@@ -36,9 +36,9 @@ class StructureReanalysis {
   class Workspace;
 
   static constexpr int kAllModes = 1500;
-  /// Cache limit for the residual flexibility along changes [bytes]. The cache holds four vectors
-  /// of the structure's size for each requested strain or motion. The least recently used vectors
-  /// are removed first.
+  /// Largest size of the cache for residual flexibilities [bytes]. The cache holds four vectors of
+  /// the structure's size for each requested strain or motion. The least recently used vectors are
+  /// removed first.
   static constexpr std::size_t kResidualMemory = std::size_t{2} << 30;
   /// Returns the number of kept modes for a structure with `available` modes and `wanted` requested
   /// modes.

@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// A mode with a smaller μ, relative to the largest μ, has no mass. Rounding gives such modes 1e-16
-/// or 1e-19.
+/// A mode with a smaller μ, relative to the largest μ, has no mass. Due to rounding, such modes
+/// have 1e-16 (double) or 1e-19 (long double).
 template <class Real>
 constexpr double kMassless = 1e-13;
 template <>

@@ -3,15 +3,15 @@
 //   damage, mass:  δ = δ(kind, place, severity)                       (defect_shifts.hpp)
 //   feature fault: δ = e_j s,       s ~ N(0, (size · residual sd_j)²)
 //   thermometer: δ = -J_c b + ε,  b ~ N(0, (size · sd of the covariate)²), J_c the slopes of the
-//                  features, ε as below: an offset acts differently in each weather
+//                  features, ε as below: the effect of an offset depends on weather
 //   other:         δ = δ(damage) + ε,  ε ~ N(0, κ² V), V the covariance of the measured shift
 //
 // P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, with L the likelihood of shift_likelihood.hpp,
 // including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
-// mixture of normal densities, so that the integrals are exact. "Other" has sizes κ = 1, 2, 4 …
-// 128, equally probable: the distance of the shift from the nearest damage, in standard deviations
-// of the shift. Without the cause "other", a shift far from every damage would count as damage
-// whenever all other causes were less probable.
+// mixture of normal densities, so that the integrals are exact. "Other" has the equally probable
+// sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from the nearest damage, in standard
+// deviations of the shift. Without the cause "other", a shift far from every damage would count as
+// damage whenever all other causes were less probable.
 #pragma once
 
 #include "identification/monitoring/causes/defect_shifts.hpp"
@@ -30,7 +30,7 @@ struct CauseOptions {
   /// One per kind: its prior share among the kinds of damage, or among the kinds of added mass.
   std::vector<double> share = {};
   Eigen::VectorXd residual_sd = {};   ///< p
-  Eigen::VectorXd covariate_sd = {};  ///< c, in the training period; zero: covariate not used
+  Eigen::VectorXd covariate_sd = {};  ///< c entries, training period; zero: covariate not used
 };
 
 /// Quantiles of a posterior.
@@ -48,7 +48,7 @@ struct ExplainedPlace {
 /// A kind of defect as the cause of the change.
 struct ExplainedDefect {
   double probability = 0.0;
-  std::vector<double> by_cell = {};  ///< given the kind: probability of each cell of its line
+  std::vector<double> by_cell = {};  ///< probability of each cell of the line, given the kind
   CentralInterval location = {};     ///< location on the kind's line, given the kind
   CentralInterval severity = {};
   /// Parts with a probability of at least 1 %, the most probable first
@@ -58,7 +58,7 @@ struct ExplainedDefect {
 struct ChangeExplanation {
   double damage = 0.0, mass = 0.0, sensor = 0.0, other = 0.0;  ///< P(cause | change); the sum is 1
   std::vector<ExplainedDefect> defects = {};                   ///< one per kind
-  /// Probabilities, one per feature and one per covariate
+  /// Probabilities of faults, one per feature and one per covariate
   std::vector<double> feature_faults = {}, covariate_faults = {};
   /// Distance of the measured shift from the nearest damage, in standard deviations of the shift.
   double distance_to_damage = 0.0;

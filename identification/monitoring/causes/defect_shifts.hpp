@@ -3,8 +3,8 @@
 //   δ_j(x, r) = ln f_j(x, r) - ln f_j(intact)
 //
 // f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
-// x and all severities r. It consists of shifts at nodes with equal prior probability between them;
-// between nodes, they are interpolated linearly.
+// x and all severities r. It stores the shifts at nodes. All intervals between nodes are equally
+// probable a priori; the shifts inside them are interpolated linearly.
 #pragma once
 
 #include <vector>

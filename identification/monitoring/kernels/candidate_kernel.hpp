@@ -4,17 +4,17 @@
 // The loops are compiled for several register widths, so this header uses only plain pointers and
 // numbers (base/simd.hpp). No operation depends on the width.
 //
-// Candidates are stored in tiles of kLanes. A tile is a list of rows of kLanes numbers; the layout
-// gives the first row of each quantity. Covariances hold the lower half, row by row. A feature that
-// shifts alone has a shift of precision 1/prior + precision and mean information/(that precision);
-// both sums are common to all sizes of the prior. Weights of the hypotheses are linear: [hypothesis
-// kSizes + size], hypothesis 0 all features, 1 + j feature j alone.
+// Candidates are stored in tiles of kTile. A tile is a list of rows of kTile numbers; the layout
+// gives the first row of each quantity. Covariances hold the lower half, row by row. If one feature
+// shifts alone, its shift has the precision q = 1/prior + `precision` and the mean `information`/q;
+// both sums are common to all prior sizes. Weights are not logarithms; their index is hypothesis
+// kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
 #pragma once
 
 namespace wheeltap::identification::monitoring::detail {
 
 inline constexpr int kTile = 8;              ///< candidates in a tile
-inline constexpr int kSizes = 3;             ///< prior standard deviations of a shift
+inline constexpr int kSizes = 3;             ///< number of prior sds of a shift
 inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not count
 
 struct CandidateLayout {
@@ -60,7 +60,7 @@ struct RowStart {
   const char* is_present;  ///< p
 };
 
-/// One entry of a row, of feature j: the e-th that is present.
+/// The e-th present entry of a row, for feature j.
 struct Entry {
   int j, e;
   double v, s;          ///< innovation without a shift, and its variance

@@ -1,6 +1,6 @@
 // The loops of candidate_kernel.hpp for vectors of WHEELTAP_MONITORING_WIDTH doubles. Each source
 // file that includes this header is compiled for one instruction set, without contraction to fused
-// multiply-adds: results are bitwise equal on every processor.
+// multiply-adds, so that results are bitwise equal on every processor.
 
 #include <cstddef>
 #include <cstring>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth = WHEELTAP_MONITORING_WIDTH;
 using Vec = double __attribute__((vector_size(kWidth * sizeof(double)), may_alias, aligned(8)));
-constexpr double kLeastWeight = 1e-280;  // a hypothesis can always recover
+constexpr double kLeastWeight = 1e-280;  // positive, so that a hypothesis can recover
 constexpr int kFlushed = 8;              // entries in a product before its logarithm is added
 
 /// One vector of lanes of a tile's rows.
@@ -80,8 +80,8 @@ void begin(const CandidateTiles& of, const RowStart& row) {
   });
 }
 
-/// The row's log density relative to that without a shift, of products of relative scales and tails
-/// of Student's t. For Gaussian noise, `tails` is exp(-½ squares) already.
+/// Log density of the row relative to that without a shift, from products of relative scales and of
+/// Student t tails. For Gaussian noise, `tails` is already the logarithm, -½ the sum of squares.
 template <bool kNormal>
 inline Vec log_of(Vec scales, Vec tails, double degrees) {
   if constexpr (kNormal) return -0.5 * log(scales) + tails;

@@ -18,7 +18,7 @@ struct EvidenceRows {
   const double* values;      ///< n x kLanes
   const double* variance;    ///< n x kLanes: noise variance with σ = 1
   const double* fast_decay;  ///< n: exp(-rate·step) since the previous row
-  const double* slow_decay;  ///< n: the same of the slow drift
+  const double* slow_decay;  ///< n: decay of the slow drift
   const double* fast_ratio;  ///< kLanes
   double slow_ratio;
 };

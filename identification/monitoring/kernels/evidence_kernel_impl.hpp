@@ -1,6 +1,6 @@
 // The loop of evidence_kernel.hpp for vectors of WHEELTAP_MONITORING_WIDTH doubles. Each source
 // file that includes this header is compiled for one instruction set, without contraction to fused
-// multiply-adds: results are bitwise equal on every processor.
+// multiply-adds, so that results are bitwise equal on every processor.
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-// Logarithm and minimum for GCC vector types, beside base/lanes.hpp.
+// Logarithm and minimum for GCC vector types, in addition to base/lanes.hpp.
 #pragma once
 
 #include "base/lanes.hpp"

@@ -46,8 +46,8 @@ struct LinkLaw {
 };
 
 /// Averaged force laws of the links with the given indices, from at most 400 draws. `shown` is the
-/// most probable model with draws. The result is empty if its simulation fails at its posterior
-/// mean.
+/// most probable model with draws. The result is empty if the simulation of this model fails at
+/// its posterior mean.
 [[nodiscard]] std::vector<LinkLaw> averaged_laws(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int shown,
                                                  const std::vector<int>& links);

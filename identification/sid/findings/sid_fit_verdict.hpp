@@ -10,13 +10,13 @@ namespace wheeltap::identification {
 ///
 /// - R² of a response is below 1/2 and its residuals are not white (a response that consists mostly
 ///   of sensor noise is not a misfit);
-/// - a residual is not noise (portmanteau or predictive p below kMisfit) and is above
-///   kSmallResidual of its response, or above kMuchMoreThanFree times the residual with free cubic
-///   springs (free_cubic.hpp). If an autoregression makes it white, only the comparison with free
-///   cubic springs counts;
-/// - after the window (SidCase::beyond), a residual is above kSmallResidual and more than twice the
-///   residual within the window, absolutely and relative to the response. It is a misfit only if
-///   all of about twenty draws have such a residual.
+/// - a residual is not noise (portmanteau or predictive p below kMisfit) and exceeds
+///   kSmallResidual times its response, or kMuchMoreThanFree times the residual with free cubic
+///   springs (free_cubic.hpp). If an autoregression whitens the residual, only the comparison with
+///   free cubic springs counts;
+/// - after the window (SidCase::beyond), a residual exceeds kSmallResidual times the response and
+///   is more than twice the residual within the window, absolutely and relative to the response.
+///   This is a misfit only if all of about twenty draws have such a residual.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

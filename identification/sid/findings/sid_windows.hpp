@@ -46,8 +46,8 @@ struct ModelWindows {
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
 /// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
-/// normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for it
-/// begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
+/// normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
+/// this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///

@@ -38,8 +38,8 @@ struct Discovery {
 /// Computes inclusion probabilities from the model probabilities
 /// (inference/diagnosis/standing.hpp), which use the evidence for models without reliable draws.
 /// The error combines two parts: the error of the mean of the term's indicator over the Markov
-/// chains (at least one effective draw of the model), and the errors of model probabilities from
-/// evidence.
+/// chains (at least the effect of one effective draw), and the errors of model probabilities
+/// from evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,
                                                      const Findings& findings);

@@ -39,7 +39,7 @@ struct Innovations {
 };
 
 /// The Gaussian joint density p(r | σ, c) of the N residuals of a response. σ is the standard
-/// deviation of each r_n; predictive bands use it. `c` contains the parameter values.
+/// deviation of each r_n; predictive bands use σ. `c` contains the parameter values.
 class ResidualModel {
  public:
   virtual ~ResidualModel() = default;
@@ -63,8 +63,8 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations. By
-  /// default, the result of `standardise`, with variance σ².
+  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations.
+  /// The default is the result of `standardise`, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };

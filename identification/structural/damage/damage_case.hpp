@@ -38,13 +38,13 @@ struct DamageCase {
   fem::Beam beam = {};                                   ///< beam of a case without a structure
   double beam_depth = 0.0;                               ///< depth of the section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
-  int rigid_body_modes = 0;  ///< number for the intact beam; data omit them
+  int rigid_body_modes = 0;  ///< number for the intact beam; the data omit these modes
   FrequencyData data = {};   ///< empty before frequencies are simulated
   /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
   /// structure are unknown or several states were measured; `data` then contains only the
   /// frequencies of the measured modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
-  std::optional<Baseline> baseline = {};  ///< `data` are already scaled by the baseline
+  std::optional<Baseline> baseline = {};  ///< if set, `data` are already scaled by it
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< empty: the FE solution is used directly
@@ -58,8 +58,8 @@ struct DamageCase {
   [[nodiscard]] fem::Defects true_defects() const;
   /// The intact beam; null for a structure.
   [[nodiscard]] const fem::Beam* intact_beam() const { return structure ? nullptr : &beam; }
-  /// True if the case needs a structure: it has one, or has shapes, or its beam has defects that
-  /// only structures support (a crack, a mass, an extent).
+  /// True if the case defines a structure or shapes, or if its beam has defects that only
+  /// structures support (a crack, a mass, an extent).
   [[nodiscard]] bool solved_as_structure() const;
   /// The structure to solve. Throws std::invalid_argument.
   [[nodiscard]] AnyStructure solved_structure() const;

@@ -13,7 +13,7 @@ namespace wheeltap::identification {
                                                  const inference::Options& options,
                                                  double most_in_memory);
 
-/// Cost of the FE runs that train the emulator; empty for finished tables and without an emulator.
+/// Cost of the FE runs that train the emulator; empty for finished tables, or without an emulator.
 [[nodiscard]] inference::RunCost cost_of_tables(const DamageCase& damage_case);
 
 }  // namespace wheeltap::identification

@@ -23,7 +23,7 @@ struct DamageProblem : StructuralProblem {
   /// True if the intact beam and the location priors are mirror-symmetric, and no data (such as
   /// shapes) distinguish the two sides.
   bool symmetric = false;
-  SiteSymmetries symmetries = {};  ///< symmetries of a structure, under the same condition
+  SiteSymmetries symmetries = {};  ///< symmetries of a structure that no data break
   int common = 0;                  ///< number of parameters that all models share
   /// True if neither an external model nor a user's model predicts, and the only observations are
   /// the data of the case.
@@ -70,7 +70,7 @@ struct DamageProblemOptions {
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
 /// where σ²_emulator is zero unless an emulator predicts and its error is enabled. If the emulator
-/// only screens proposals ("exact"), this is the likelihood `screen` of the problem, and its
+/// only screens proposals ("exact"), this is the problem's likelihood `screen`, and the problem's
 /// `likelihood` uses the FE solution.
 ///
 /// The FE likelihood has a gradient. The likelihood is piecewise constant in a location, so that

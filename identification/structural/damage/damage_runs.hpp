@@ -18,8 +18,8 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< seed of the holdout runs
   std::filesystem::path journal_stem = {};  ///< runs are saved in STEM.count_K; empty: not saved
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Replaces the FE solution: computes the frequencies at the point of a run; an empty point means
-  /// the intact beam.
+  /// Computes the frequencies at the point of a run, instead of the FE solution. An empty point
+  /// means the intact beam.
   emulator::ModelFactory model = {};
   /// Results of `run_part`; if given, the design is not run again.
   const emulator::TableFile* runs = nullptr;
@@ -50,7 +50,7 @@ struct RunOptions {
 
 /// The design of `spec` for `count` damages: a grid, or points scattered over the priors of `kind`,
 /// with damages sorted by location, at midpoints, without duplicates. Throws std::invalid_argument
-/// for more than 10 million runs, and for a location prior of one element.
+/// for more than 10 million runs, and for a location prior that covers one element.
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
@@ -61,8 +61,8 @@ struct RunOptions {
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Makes part `part` (0-based) of `parts` of all training runs. Throws the exceptions of
-/// `run_table`.
+/// Makes the training runs of part `part` (0-based) of `parts` parts. Throws the
+/// exceptions of `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

@@ -79,7 +79,7 @@ class FrequencyEmulator {
   [[nodiscard]] int tables() const { return static_cast<int>(parts_.size()); }
   void add(const emulator::InterpolantType& type, emulator::Table table, int threads);
   /// Adds the emulators for counts above those of the tables, by ANOVA. Requires tables for one and
-  /// two damages, and the intact frequencies in the latter.
+  /// two damages, and the intact frequencies in the table for two.
   void add_anova(emulator::Additive additive);
   void measure(const fem::Reanalysis& reanalysis, int count, Eigen::Index runs,
                const RunOptions& options);
@@ -96,7 +96,7 @@ class FrequencyEmulator {
   std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
-  /// For larger counts than the tables have
+  /// Emulator for counts above those of the tables
   std::shared_ptr<const emulator::AnovaEmulator> anova_;
 };
 

@@ -38,7 +38,7 @@ struct DefectType {
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();
   std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
-  /// Instead of a prior, the case may give a number for the severity, or omit it (rigid, ∞).
+  /// Instead of a prior, the case may give the severity as a number, or omit it (rigid, ∞).
   bool may_be_known = false;
   bool may_be_rotational = false;
   /// Unit of the severity, "" for a share.
@@ -55,8 +55,8 @@ struct DefectType {
     return several.empty() ? std::string(noun) + "s" : std::string(several);
   }
   [[nodiscard]] bool is_for_beams() const { return sites == Sites::members; }
-  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport, so that
-  /// the solver's gradients apply.
+  /// True if `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport,
+  /// so that the solver's gradients apply.
   bool is_elementary = false;
   /// True if the change of the structure has a low rank, as the reanalysis requires;
   /// StatesLikelihood solves structures with other changes.
@@ -66,8 +66,8 @@ struct DefectType {
   bool compounds = false;
 };
 
-/// All types that a case may name. To add one, write a file in identification/structural/defects/
-/// and add a line to defect_kind.cpp.
+/// All types that a case may name. To add a type, write a file in
+/// identification/structural/defects/ and add a line to defect_kind.cpp.
 [[nodiscard]] const std::vector<const DefectType*>& defect_types();
 /// Returns the type with this name, or nullptr if no type has this name.
 [[nodiscard]] const DefectType* find_defect_type(std::string_view name);
@@ -90,10 +90,10 @@ struct DefectKind {
   inference::Prior location;         ///< location on the line [m]
   Severity severity = Rigid{};
   bool rotation = false;  ///< for a support: true if it restrains the rotation
-  SiteLine line = {};     ///< possible places; `location` is a prior on it
+  SiteLine line = {};     ///< possible places; `location` is a prior on this line
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
   std::optional<double> extent = {};  ///< length of a reduction [m]; empty: an element
-  std::optional<inference::Prior> extent_prior = {};  ///< replaces `extent` if it is unknown
+  std::optional<inference::Prior> extent_prior = {};  ///< replaces `extent` if unknown
   fem::Direction direction = fem::Direction::y;       ///< direction of a support in a structure
   /// Members of each substructure, if substructures are groups of members.
   std::vector<std::vector<int>> groups = {};

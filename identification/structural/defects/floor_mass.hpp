@@ -1,4 +1,4 @@
-// Mass added to a mass of a chain: the equivalent of `mass` for chains.
+// Mass added to one mass of a chain of masses: the equivalent of the defect type `mass`.
 #pragma once
 
 #include <limits>

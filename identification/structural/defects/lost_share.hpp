@@ -1,4 +1,4 @@
-// Common properties of defect types whose severity is a share of stiffness lost.
+// Common properties of defect types whose severity is the lost share of the stiffness.
 #pragma once
 
 #include <cmath>

@@ -15,7 +15,7 @@ inline const DefectType kMass = {
     .severity_words = "mass",
     .effect_words = "mass",
     .lower = -std::numeric_limits<double>::infinity(),
-    .bounds_words = "a mass is in kg, negative if it is lost",
+    .bounds_words = "a mass is in kg; a lost mass is negative",
     .unit = [](const DefectKind&) -> std::string_view { return "kg"; },
     .place_in_structure =
         [](const DefectKind&, const SiteLine::Spot& spot, double severity, StructureEffects& out) {

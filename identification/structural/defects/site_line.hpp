@@ -20,14 +20,14 @@ class SiteLine {
     int site;
     std::string name;   ///< name of the site
     double start, end;  ///< positions of the start and the end on the line
-    double size;        ///< m, for a member; 0 for a point
+    double size;        ///< [m] for a member; 0 for a point
     int first_cell;     ///< index of its first cell
   };
   /// A place on the line.
   struct Spot {
     int stretch;
     int site;
-    double s;  ///< m from the member's first end; 0 for a point
+    double s;  ///< [m] from the member's first end; 0 for a point
     /// Length [m] of a defect, centred at the spot; 0 if it covers an element, or has no length.
     double extent = 0.0;
   };

@@ -15,11 +15,11 @@ namespace wheeltap::identification {
 /// Maps of the structure onto itself that preserve all frequencies for any defects. Frequencies
 /// cannot distinguish a place from its image under these maps.
 struct SiteSymmetries {
-  /// Maps of parameter 0 on the kinds' lines, and their inverses
+  /// Maps of the location (parameter 0) on the kinds' lines, and their inverses
   std::vector<inference::Symmetry> maps;
   /// Groups of sites (members, nodes, links) that are images of each other, in the case's order.
   std::vector<std::vector<std::string>> alike;
-  /// Members of length L on which the position s is the image of L - s.
+  /// Members whose ends a symmetry exchanges: s is the image of L - s, with L the length.
   std::vector<std::string> turned;
 
   [[nodiscard]] bool empty() const { return maps.empty(); }

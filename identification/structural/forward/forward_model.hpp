@@ -33,7 +33,7 @@ class ForwardModel {
   virtual ~ForwardModel() = default;
 
   enum class Quantity {
-    frequencies,  ///< `frequencies_hz`, as many as `out` has
+    frequencies,  ///< `frequencies_hz`, as many as `out` holds
     slopes,       ///< frequencies, `by_location` and `by_severity`
     modes         ///< `modes`
   };
@@ -71,7 +71,7 @@ class ForwardModel {
   [[nodiscard]] virtual bool differentiates_modes() const { return false; }
 
   /// Computes all frequencies [Hz] of a structure with these defects at generic parameters of the
-  /// intact structure, as a test of symmetries; empty if the structure is impossible. The function
+  /// intact structure, to test symmetries; empty if the structure is impossible. The function
   /// refers to the model and is not thread-safe. Null for models without symmetries.
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }

@@ -11,8 +11,8 @@
 
 namespace wheeltap::identification {
 
-/// Data of one kind. Given the prediction, they are independent of all other data. Immutable and
-/// shared by threads.
+/// Data of one kind. Given the prediction, these data are independent of all other data.
+/// Immutable and shared by threads.
 class Observation {
  public:
   virtual ~Observation() = default;

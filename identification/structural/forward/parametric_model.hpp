@@ -25,9 +25,9 @@ class BasisModel final : public ForwardModel {
   std::shared_ptr<const fem::ParametricModes> basis_;
 };
 
-/// Frequencies from an external program or server, or from an emulator of it with error variances.
+/// Frequencies from an external program or server, or from its emulator, with error variances.
 /// Outside the emulator's box, the prediction fails: the box truncates the priors. The external
-/// model is not run there, because searches for posterior modes leave the box often.
+/// model is not run there, because searches for posterior modes often leave the box.
 class OutsideModes final : public ForwardModel {
  public:
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}

@@ -49,11 +49,11 @@ struct ModalNoise {
 /// each frequency by N(0, (δ f)²). This error is integrated out, so that δ can be inferred from the
 /// residuals.
 ///
-/// Matching: without shapes, the i-th frequency is the i-th elastic mode. With shapes, A is the
-/// assignment to the `candidates` lowest modes with the least cost for frequencies and shapes
-/// together, so that data may omit or reorder modes. Correlations of frequencies are used after the
-/// matching. Only the best matching is used: if another matching is nearly as good, the modes are
-/// close and similar.
+/// Matching: without shapes, the i-th frequency belongs to the i-th elastic mode. With shapes, A is
+/// the assignment to the `candidates` lowest modes with the least cost for frequencies and shapes
+/// together. Data may therefore omit or reorder modes. Correlations of frequencies are used after
+/// the matching. Only the best matching is used: if another matching is nearly as good, the modes
+/// are close and similar.
 ///
 /// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
 /// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the standard
@@ -69,8 +69,8 @@ struct ModalNoise {
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
-/// eigenvalues. A change of K by a thousandth has this effect. If more than two modes are close,
-/// each is rotated with the closest one.
+/// eigenvalues. A relative change of K by a thousandth has this effect. If more than two modes are
+/// close, each is rotated with the closest other mode.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
@@ -90,14 +90,14 @@ class ModalLikelihood {
   };
   struct Score {
     double log_likelihood = 0.0;
-    double chi_square = 0.0;  ///< χ² of frequencies and shapes, without probably spurious modes
+    double chi_square = 0.0;  ///< χ² of all modes that are probably not spurious
     int freedoms = 0;         ///< degrees of freedom of `chi_square`
     std::vector<Match> matches;
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
-  /// Adds ln p of uncorrelated numbered frequencies to `log_density`, and the computed frequencies
-  /// [Hz] of all modes. Faster than `score`; returns false for data of any other kind.
+  /// Adds ln p of uncorrelated numbered frequencies to `log_density` and appends the computed
+  /// frequencies to `frequencies_hz`. Faster than `score`; returns false for other data.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
   /// Input of StiffnessErrors for one measured shape: the comparison without stiffness errors, the

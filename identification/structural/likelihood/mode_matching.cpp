@@ -11,7 +11,7 @@ std::vector<int> least_cost_assignment(const Eigen::MatrixXd& costs) {
   const auto rows = static_cast<int>(costs.rows()), columns = static_cast<int>(costs.cols());
   if (rows > columns)
     throw std::invalid_argument("costs has " + std::to_string(rows) + " rows: must be at most " +
-                                std::to_string(columns) + ", its columns");
+                                std::to_string(columns) + ", the number of columns");
   if (costs.hasNaN()) throw std::invalid_argument("costs must not be NaN");
   // A forbidden pair costs more than all other pairs together.
   double most = 1.0;

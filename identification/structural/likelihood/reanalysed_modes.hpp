@@ -28,8 +28,8 @@ namespace wheeltap::identification {
 class ReanalysedModes {
  public:
   /// `modes`: the largest number of elastic modes. `beam`: the beam that the nominal structure
-  /// represents, or null. `samples`: parameters of the model. Null if the parameters do not have
-  /// this form. Throws fem::InvalidStructure, std::invalid_argument.
+  /// represents, or null. `samples`: parameters of the model. Null if a reanalysis cannot
+  /// represent the parameters. Throws fem::InvalidStructure, std::invalid_argument.
   [[nodiscard]] static std::shared_ptr<const ReanalysedModes> make(
       const std::shared_ptr<const StructureModel>& model, std::vector<DefectKind> kinds, int modes,
       const fem::Beam* beam, std::span<const std::vector<double>> samples);

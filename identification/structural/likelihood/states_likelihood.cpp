@@ -105,7 +105,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       }
       if (other.discretisation.strains.size() != intact.discretisation.strains.size())
         throw std::invalid_argument(
-            "a discrepancy of stiffness: priors of springs and axial forces must exclude 0");
+            "with a discrepancy of stiffness, priors of springs and axial forces must exclude 0");
     }
     if (pieces) modes = std::min(available, modes + kOfPieces);
     group.modes = modes;

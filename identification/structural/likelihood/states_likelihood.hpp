@@ -27,12 +27,12 @@ namespace wheeltap::identification {
 ///
 /// f_m: the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model error
 /// that multiplies a mode's frequency by a factor (discrepancy δ) is common to these states, so
-/// that it does not count as damage. For one state this equals ModalLikelihood.
+/// that it does not count as damage. For one state, ln p equals that of ModalLikelihood.
 ///
 /// The effect of damage on a frequency depends on the shapes. Shape errors of first order cause
 /// frequency errors of second order only. Let the model error mix c φ_k into φ_j and -c φ_j into
 /// φ_k, c ~ N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ
-/// δK_d φ_k, and λ_k by the negative of this. For a stiffness loss along one strain, (φ_jᵀ δK_d
+/// δK_d φ_k, and λ_k by the opposite amount. For a stiffness loss along one strain, (φ_jᵀ δK_d
 /// φ_k)² = Δλ_j Δλ_k; otherwise the left side is smaller. With Δλ the change from the first healthy
 /// state with the same `known` to a damaged state,
 ///
@@ -45,10 +45,10 @@ namespace wheeltap::identification {
 ///
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
 /// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
-/// solutions. Otherwise each structure is assembled at θ, changed by its damages and masses, and
-/// solved by SubspaceModes. States that differ only in temperature share a solution. Matrices of
-/// another program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the
-/// q_j, for any rank of K_j.
+/// solutions. Without reanalysis, each structure is assembled at θ, changed by its damages and
+/// masses, and solved by SubspaceModes. States that differ only in temperature share a solution.
+/// Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change
+/// only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that are compared with full solutions.
@@ -184,7 +184,7 @@ class StatesLikelihood {
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
   };
-  /// A prior draw: every fourth draw has no damages, the others have 1, 2, … damages of each kind.
+  /// A prior draw: every fourth draw has no damages; the others have 1, 2, … damages of each kind.
   /// i = -1: the prior medians.
   struct Draw {
     std::vector<double> x;

@@ -28,9 +28,9 @@ class StiffnessPieces {
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
-  /// For a softening that leaves the fraction q of a strain's stiffness, it is q (1 - q) times the
-  /// energy of the strain before softening. (If the flexibility of a part is 1 + a times that of
-  /// the model, it loses a smaller share of stiffness, by (1 - q) a.)
+  /// For a softening that leaves the fraction q of a strain's stiffness, this is q (1 - q) times
+  /// the energy of the strain before softening. (If the flexibility of a part is 1 + a times that
+  /// of the model, the part loses a share of stiffness that is smaller by (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -45,7 +45,7 @@ class StiffnessPieces {
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
 /// so that the likelihood does not attribute stiffness errors to damage. The stiffness that a
 /// damage removes from a part has a separate error of the same size (`StiffnessPieces::losses`).
-/// With residuals r in units of the noise and their sensitivities X, ln p gains
+/// With residuals r in units of the noise and their sensitivities X, ln p increases by
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
 ///

@@ -18,7 +18,7 @@ class UnknownScatters {
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
   /// The noise parameters of a state for these parameter values.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
-  /// True if a noise parameter is unknown: `contains(&ModalNoise::cov)`.
+  /// True if a noise parameter is unknown, for example `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:

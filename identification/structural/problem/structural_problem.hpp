@@ -81,7 +81,7 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// The same, written to `to`.
+  /// Writes the same defects to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
@@ -93,7 +93,7 @@ struct StructuralProblem {
       const std::vector<std::shared_ptr<const Observation>>& added);
 };
 
-/// Predicts for a problem; for one thread. The object refers to problem and model.
+/// Computes predictions of a problem on one thread. The object refers to problem and model.
 class StructuralPredictor {
  public:
   explicit StructuralPredictor(const StructuralProblem& problem)
@@ -110,7 +110,7 @@ class StructuralPredictor {
   /// Computes frequencies [Hz]: the `out.size()` lowest elastic frequencies, or the frequencies of
   /// the modes matched to the measured modes; ∞ if the structure is impossible.
   void solve(int model, std::span<const double> x, std::span<double> out);
-  /// ∂ ln p(first observation | x)/∂x. Returns false if it is not available.
+  /// ∂ ln p(first observation | x)/∂x. Returns false if the gradient is not available.
   bool gradient(int model, std::span<const double> x, std::span<double> out);
   /// As inference::Likelihood::gauss_newton, for the first observation, from exact derivatives of
   /// the modes.

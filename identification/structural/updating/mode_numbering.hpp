@@ -43,9 +43,9 @@ struct NumberingFinding {
                                                const Eigen::VectorXd& ln_measured,
                                                const Eigen::MatrixXd& covariance);
 
-/// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is that of
-/// all rows [Hz²]. The result is empty if there are shapes, or if two seconds suffice for too few
-/// solutions.
+/// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is the
+/// covariance of all rows [Hz²]. The result is empty if there are shapes, or if two seconds
+/// suffice for too few solutions.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,
     const Eigen::MatrixXd& frequency_covariance);

@@ -33,7 +33,7 @@ struct Entangled {
   double correlation = 0.0;
 };
 
-/// A combination of parameters' z about which the data have little information: an eigenvector of
+/// A combination of coordinates z about which the data have little information: an eigenvector of
 /// Cov(z | data) with a contraction below `kUntouched`.
 struct UntouchedDirection {
   double contraction = 0.0;
@@ -106,7 +106,7 @@ struct UpdateFindings : Findings {
   std::vector<Contraction> contractions;
   std::vector<Entangled> entangled;
   std::vector<UntouchedDirection> untouched;
-  /// Separate regions of the posterior, most probable first; empty if there is only one.
+  /// Separate regions of the posterior, most probable first; empty if there is only one region.
   std::vector<Solution> solutions;
   std::vector<ModeFinding> modes;
   std::optional<NumberingFinding> numbering;  ///< check of the mode numbers, for data without
@@ -118,7 +118,7 @@ struct UpdateFindings : Findings {
   std::vector<PredictedMode> predictions;
   UpdateFit fit;
   int numbers = 0;   ///< number of measured values
-  long in_full = 0;  ///< among `examined` draws, those that the basis could not solve
+  long in_full = 0;  ///< number of `examined` draws that the basis could not solve
   int examined = 0;
 };
 

@@ -11,9 +11,9 @@
 
 namespace wheeltap::identification {
 
-/// An update as a problem with one model. Its parameters are those of the structure, then the
-/// unknown ones of "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the
-/// noise parameters of added observations.
+/// An update as a problem with one model. Order of its parameters: those of the structure; the
+/// unknown noise parameters among "cov", "shape_sd", "discrepancy", "shape_discrepancy" and
+/// "mixing"; the noise parameters of added observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
   double seconds_a_likelihood = 0.0;  ///< estimate for this machine [s]

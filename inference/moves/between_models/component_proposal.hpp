@@ -17,8 +17,8 @@ class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
 
-  /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without that
-  /// component of `kind`. `beta` tempers the influence of the residual.
+  /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without
+  /// component `skip` of `kind`. `beta` tempers the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws the coordinates z of a component from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
@@ -62,7 +62,7 @@ struct EffectAtlas {
 /// with zero and one component of this kind have the same counts of the other kinds.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
-/// Informed birth. If r is the residual of the state, a new component in cell c changes it to about
+/// Informed birth. If r is the residual of the state, a new component in cell c changes r to about
 /// r + D_c. The move chooses one of the N cells with the probability
 ///
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),

@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 
 /// The pilot mixture of the model with one more component, Σ_l w_l N(z; μ_l, Σ_l), conditioned on
-/// the current set. With z_I the coordinates of the set and J those of component j,
+/// the current set. With z_I the coordinates of the set and J the coordinates of component j,
 ///
 ///   q(c) = ε φ(c) + (1 - ε) Σ_{j,l} p(j, l | z_I) N(c; μ_J + Σ_JI Σ_II⁻¹ (z_I - μ_I),
 ///                                                      Σ_JJ - Σ_JI Σ_II⁻¹ Σ_IJ),
@@ -25,7 +25,7 @@ class ConditionalMixtures {
   /// Normal l of one model's mixture, conditioned on all components of the set except j.
   struct Conditional {
     double log_weight;  ///< ln w_l - ln |L_I|
-    int first;          ///< coordinates [first, first + width) are component j's
+    int first;          ///< coordinates [first, first + width) belong to component j
     Eigen::VectorXd mean_rest;
     Eigen::MatrixXd inverse_rest;  ///< L_I⁻¹, lower
     Eigen::VectorXd mean_own;

@@ -6,7 +6,7 @@
 namespace wheeltap::inference {
 
 /// Proposes another model of a list, chosen uniformly. Shared parameters keep their values;
-/// parameters of the new model only are drawn from their priors:
+/// parameters that only the new model has are drawn from their priors:
 ///
 ///   ln ratio = Σ_lost ln φ(z) - Σ_new ln φ(z')         |J| = 1.
 ///

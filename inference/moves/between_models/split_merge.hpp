@@ -5,8 +5,8 @@
 
 namespace wheeltap::inference {
 
-/// A component with first parameter x and further parameters a_i splits into two that are
-/// neighbours in the order,
+/// A component with first parameter x and further parameters a_i splits into two
+/// components that are neighbours in the order,
 ///
 ///   x₁ = x - w, x₂ = x + w,   w ~ half-normal(width);
 ///   a_i₁ = s_i a_i, a_i₂ = (1 - s_i) a_i,   s_i ~ U(0, 1),

@@ -97,7 +97,7 @@ struct EmulatorFinding {
 struct DamageFindings : Findings {
   std::vector<KindFinding> kinds;
   /// For a symmetric beam, one entry per model: locations are measured from the nearer end, and
-  /// components are sorted by them. Other estimates would average over mirror images.
+  /// components are sorted by this distance. Other estimates would average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
   std::vector<MergedFinding> merged;  ///< merged damages, for kinds whose damages cover a fixed
                                       ///< length

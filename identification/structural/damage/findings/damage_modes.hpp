@@ -35,9 +35,9 @@ class SingleModes {
 };
 
 /// Returns a function that replicates the measured frequencies [Hz] at a draw (chain, draw) of the
-/// posterior: f_m(θ) + s_m(θ) e, with e standard normal of `seed` and s_m the standard deviation of
-/// the likelihood's noise model. Call the function in the order of the draws. It refers to the
-/// problem and the posterior.
+/// posterior: f_m(θ) + s_m(θ) e, with e standard normal (from `seed`) and s_m the standard
+/// deviation of the likelihood's noise model. Call the function in the order of the draws. The
+/// function refers to the problem and the posterior.
 [[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
     const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 
