@@ -230,7 +230,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   std::string out =
       page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
                 {false_alarms_in_words(monitor) +
-                 " By default, Wheeltap uses the higher of the thresholds of model and replay."});
+                 " Wheeltap uses the higher of the thresholds of model and replay, unless the case selects one."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";
