@@ -8,7 +8,8 @@
 namespace wheeltap::emulator {
 
 /// Correlation as a function of the distance r between two points, r² = Σ_j ((u_j - u'_j) / ℓ_j)²,
-/// with one correlation length ℓ_j per factor. u_j is the scale coordinate of factor j, mapped to [0, 1].
+/// with one correlation length ℓ_j per factor. u_j is the scale coordinate of factor j, mapped to
+/// [0, 1].
 enum class Kernel {
   matern52,            ///< (1 + √5 r + 5 r²/3) exp(-√5 r): twice differentiable
   squared_exponential  ///< exp(-r²/2): infinitely smooth

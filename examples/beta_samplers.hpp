@@ -68,7 +68,8 @@ inline WeightedMean importance(const std::function<double(double)>& f, int n,
   return {mean, std::sqrt(variance), sum * sum / squares};
 }
 
-/// Accepts draws of the proposal with probability p / (j · proposal density). Draws are independent.
+/// Accepts draws of the proposal with probability p / (j · proposal density). Draws are
+/// independent.
 inline std::vector<double> rejection(int n, base::Random& random) {
   const double j = envelope_factor();
   std::vector<double> draws;

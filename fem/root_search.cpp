@@ -261,7 +261,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     return true;
   }
   if (followed && next >= search.low && next <= search.high) {
-    // No other eigenvalue is much closer than the other eigenvalue of H and the modes next to the poles.
+    // No other eigenvalue is much closer than the other eigenvalue of H and the modes next to the
+    // poles.
     double gap = std::abs(other - step);
     if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
     if (pole + 2 < secular_.near) gap = std::min(gap, std::abs(value[pole + 2] - next));

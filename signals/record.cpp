@@ -223,8 +223,9 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
     uneven = off > kMostJitter * mean + printed;
     if (off > kEven * mean + printed) out.jitter = std::max(out.jitter, (off - printed) / mean);
   }
-  // If a time step is as small as the printed resolution, rounding could explain the difference that
-  // a missing row causes. Rounding cannot explain a difference in only one of hundreds of steps.
+  // If a time step is as small as the printed resolution, rounding could explain the difference
+  // that a missing row causes. Rounding cannot explain a difference in only one of hundreds of
+  // steps.
   const auto odd = std::count_if(sorted.begin(), sorted.end(), [&](double step) {
     return std::abs(step - median) > 0.5 * median;
   });

@@ -45,8 +45,8 @@ class OpenRecords {
 struct RecordWindow {
   std::size_t table = 0;
   std::vector<std::size_t> channels = {};
-  long begin = 0, end = 0;                    ///< rows [begin, end), limited to the rows of the table
-  long points = 1000;                         ///< largest number of points, or of intervals
+  long begin = 0, end = 0;  ///< rows [begin, end), limited to the rows of the table
+  long points = 1000;       ///< largest number of points, or of intervals
   std::optional<double> sample_rate_hz = {};  ///< for a table whose sampling rate is unknown [Hz]
 };
 

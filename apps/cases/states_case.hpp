@@ -14,8 +14,9 @@ struct SimulatedModes;
 /// "temperature" or "known".
 [[nodiscard]] bool has_states(const CaseFile& file);
 
-/// The case with a prior for each coefficient that its states set ("known"), so that parsers of structures
-/// treat the coefficients as parameters. Throws Failure for a name that is also in /parameters.
+/// The case with a prior for each coefficient that its states set ("known"), so that parsers of
+/// structures treat the coefficients as parameters. Throws Failure for a name that is also in
+/// /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
 /// Parses the states at /data. With `damage`, it also parses the states of the healthy structure at

@@ -35,7 +35,8 @@ struct Command {
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of case that it runs; empty: none
-  /// The command runs only those cases of its kind that have this key; empty: all other cases of its kind
+  /// The command runs only those cases of its kind that have this key; empty: all other cases of
+  /// its kind
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if no run of this kind draws samples
   MakeCaseRun make_run = {};

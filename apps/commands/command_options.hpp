@@ -70,7 +70,8 @@ class CommandOptions {
 
 /// Completes a sampling command from its name, summary and make_run. The command runs cases of the
 /// kind with the same name and has the options of a sampling run. `may_reach_out` adds the options
-/// that permit running programs and connecting to hosts. `resumed` is the end of the help text of --resume.
+/// that permit running programs and connecting to hosts. `resumed` is the end of the help text of
+/// --resume.
 [[nodiscard]] Command sampled_command(Command command, bool may_reach_out,
                                       const char* resumed = "run");
 

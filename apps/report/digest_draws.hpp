@@ -106,7 +106,8 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// the residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
 /// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data. All series are thinned evenly. The result is empty if the run did not store the series.
+/// from the data. All series are thinned evenly. The result is empty if the run did not store the
+/// series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

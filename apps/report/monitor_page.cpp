@@ -227,10 +227,10 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const SeriesTable t = table_of(series);
   if (t.time.empty()) throw std::invalid_argument("series.csv has no rows");
   const Report& monitor = summary.at("monitor");
-  std::string out =
-      page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
-                {false_alarms_in_words(monitor) +
-                 " Wheeltap uses the higher of the thresholds of model and replay, unless the case selects one."});
+  std::string out = page_head(
+      summary.at("title").get<std::string>(), monitor_headline(monitor),
+      {false_alarms_in_words(monitor) + " Wheeltap uses the higher of the thresholds of model and "
+                                        "replay, unless the case selects one."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";

@@ -100,7 +100,8 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
   for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
 }
 
-/// An update run. Call estimate() again after the training of the basis, which measures the time of a likelihood.
+/// An update run. Call estimate() again after the training of the basis, which measures the time of
+/// a likelihood.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)

@@ -41,8 +41,9 @@ Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions
                 observed);
 }
 
-/// The same chain with cubic springs and, if `friction` is true, dry friction in every link with occasional
-/// sticking. Both variants use series; the ratio of their times shows the effect of stick and slip.
+/// The same chain with cubic springs and, if `friction` is true, dry friction in every link with
+/// occasional sticking. Both variants use series; the ratio of their times shows the effect of
+/// stick and slip.
 Misfit three_masses_rubbing(bool friction) {
   Chain chain = three_masses(true, Integrator::series, Instructions::automatic).simulator().chain();
   for (Link& link : chain.links)

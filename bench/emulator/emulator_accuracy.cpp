@@ -2,7 +2,8 @@
 // and sizes of the tables. Prints a Markdown table:
 //   emulator_accuracy [holdout runs]
 // The beam is that of Tiboaca 2016 (simply supported aluminium, 1 m, 100 elements, 20 modes), with
-// reductions up to 0.6 at any location. Emulators and FE receive the midpoint of the damaged element.
+// reductions up to 0.6 at any location. Emulators and FE receive the midpoint of the damaged
+// element.
 #include <chrono>
 #include <cmath>
 #include <cstdio>

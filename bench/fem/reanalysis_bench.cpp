@@ -148,8 +148,9 @@ void plain_dense_eigensolve(benchmark::State& state) {
 }
 BENCHMARK(plain_dense_eigensolve)->Unit(benchmark::kMicrosecond);
 
-/// Computes 20 frequencies of a damaged beam by reanalysis, and by a dense eigensolve of the same problem,
-/// in turns within one run. Other load of the machine thus hardly changes the ratio of the times.
+/// Computes 20 frequencies of a damaged beam by reanalysis, and by a dense eigensolve of the same
+/// problem, in turns within one run. Other load of the machine thus hardly changes the ratio of the
+/// times.
 void reanalysis_against_dense_eigensolve(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
   const Beam beam = source_beam();

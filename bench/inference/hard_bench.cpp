@@ -95,9 +95,10 @@ class Galaxies : public Likelihood {
 };
 
 // A move that a user could add for mixtures: the telescoping sampler (Frühwirth-Schnatter,
-// Malsiner-Walli & Grün 2021, Bayesian Analysis 16:1279) for the parameters of the state. Each datum
-// is allocated to a component with its posterior probability. Given the allocation a, with n_j data
-// in component j and K of the k components not empty, the conditional distributions are exact:
+// Malsiner-Walli & Grün 2021, Bayesian Analysis 16:1279) for the parameters of the state. Each
+// datum is allocated to a component with its posterior probability. Given the allocation a, with
+// n_j data in component j and K of the k components not empty, the conditional distributions are
+// exact:
 //
 //   μ_j | ·  normal,   τ_j = g_j/β ~ Gamma(2 + n_j/2, rate β + ½ Σ (y - μ_j)²),
 //   β | ·    ~ Gamma(0.2 + 2k, rate 10/R² + Σ τ_j),
@@ -114,8 +115,9 @@ class Galaxies : public Likelihood {
 //   ln ratio = ln q(s' → s; a, reverse order) - ln q(s → s'; a, order)
 //            + ln p(a | s') - ln p(a | s)     = ln π(s) - ln π(s'),
 //
-// which cancels the ratio of the target, except for a bias between models that tuning may have added. A
-// step of several sweeps has the same ratio. The engine evaluates the likelihood after the last sweep only.
+// which cancels the ratio of the target, except for a bias between models that tuning may have
+// added. A step of several sweeps has the same ratio. The engine evaluates the likelihood after the
+// last sweep only.
 class MixtureGibbs : public Move {
  public:
   /// Work of the move in likelihood evaluations: computed densities / densities of one evaluation.
@@ -128,7 +130,8 @@ class MixtureGibbs : public Move {
   MixtureGibbs(std::vector<double> y, std::shared_ptr<Work> work)
       : y_(std::move(y)), work_(std::move(work)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
-    if (step.beta != 1.0) return std::nullopt;  // the conditional distributions are those of the posterior
+    if (step.beta != 1.0)
+      return std::nullopt;  // the conditional distributions are those of the posterior
     const ModelSpace& space = step.target.space();
     random_ = &step.random;
     beta_ = from.x[0];

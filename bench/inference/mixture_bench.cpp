@@ -1,5 +1,6 @@
-// Run time of a pass of expectation-maximisation over the samples of a mixture, for each instruction
-// set of this processor. If likelihoods are cheap, such passes take most of the warm-up time.
+// Run time of a pass of expectation-maximisation over the samples of a mixture, for each
+// instruction set of this processor. If likelihoods are cheap, such passes take most of the warm-up
+// time.
 //
 // `component_s` is the number of densities and moments of one component at one sample per second.
 // All instruction sets give bitwise equal results, so only the ratio of their rates within one run

@@ -2,7 +2,8 @@
 //
 // Counters: ess_k and ess_left are effective draws of the model index and of "the first damage lies
 // in the left half", per million likelihood evaluations after warm-up and per second of the whole
-// run with warm-up. The counter warmup_calls is the number of likelihood evaluations of the warm-up.
+// run with warm-up. The counter warmup_calls is the number of likelihood evaluations of the
+// warm-up.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
-// Run time and memory of the identification of modes with their covariance: modal_bench [THREADS]. The
-// structure is a chain of masses under white forces with one sensor per mass; the largest model order is 80.
+// Run time and memory of the identification of modes with their covariance: modal_bench [THREADS].
+// The structure is a chain of masses under white forces with one sensor per mass; the largest model
+// order is 80.
 #include <sys/resource.h>
 
 #include <chrono>

@@ -329,7 +329,8 @@ class Series {
     for (int f = 0; f < links; ++f) {
       was[f] = friction_.state(f);
       const V broken = was[f] == 0.0 ? change[f] : V{};
-      // The value is 2 at break-away (ė = ë = 0). If no time has elapsed, other links keep their value.
+      // The value is 2 at break-away (ė = ë = 0). If no time has elapsed, other links keep their
+      // value.
       const V kept = was[f] == 0.0 ? V{} : fresh_slip_[f];
       fresh_slip_[f] = broken > 0.0 ? V{} + 2.0 : until > 0.0 ? V{} : kept;
       stopping = lanes::max(stopping, was[f] == 0.0 ? V{} : change[f]);

@@ -20,7 +20,8 @@ namespace wheeltap::fem::detail {
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
 /// This matrix is scaled by its static part G = Γ⁻¹ - Σ_j c_j c_jᵀ / s_j (s_j:
-/// `IntactModes::scales`). With the supports listed first, G = L J Lᵀ, J = diag(-1, 1), L = [L_s 0; W Rᵀ],
+/// `IntactModes::scales`). With the supports listed first, G = L J Lᵀ, J = diag(-1, 1), L = [L_s 0;
+/// W Rᵀ],
 ///
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),

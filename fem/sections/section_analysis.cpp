@@ -199,7 +199,8 @@ class Scaled {
     return {c[0], c[1], c[2], n + e[0], n + e[1], n + e[2]};
   }
 
-  /// The values at node 0 are set to 0. The loads are in equilibrium, so the reaction at node 0 is 0.
+  /// The values at node 0 are set to 0. The loads are in equilibrium, so the reaction at node 0 is
+  /// 0.
   void solve() {
     const int n = unknowns();
     std::vector<Eigen::Triplet<double>> entries;

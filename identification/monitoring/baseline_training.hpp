@@ -20,8 +20,8 @@ struct TrainingRows {
   Eigen::MatrixXd z = {};  ///< covariates x rows: `scaled` without variances
   std::vector<FeatureRows> features = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
-  Eigen::MatrixXd sorted = {};   ///< rows x covariates; columns sorted to find quantiles
-  std::vector<int> hinged = {};  ///< covariates that may have hinges
+  Eigen::MatrixXd sorted = {};        ///< rows x covariates; columns sorted to find quantiles
+  std::vector<int> hinged = {};       ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
   /// Per feature: prior sd of slopes, divided by the noise sd
   std::vector<double> slope_scale = {};

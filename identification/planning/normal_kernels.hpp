@@ -39,14 +39,14 @@ inline constexpr std::size_t kSymmetric = 10;
 
 /// Pairs of one place a with several places b. All arrays have a multiple of kPairLanes entries.
 struct PairRow {
-  float amplitude;           ///< y · v_a, v_a the unit direction of place a
-  float bend;                ///< y · w_a, w_a the direction in which place a deviates from its line
-  float slope;               ///< largest deviation of place a in units of the amplitude
-  float limit;               ///< largest amplitude of place a
-  const float* amplitudes;   ///< y · v_b
-  const float* bends;        ///< y · w_b
-  const float* slopes;       ///< slope of each place b
-  const float* limits;       ///< limit of each place b
+  float amplitude;          ///< y · v_a, v_a the unit direction of place a
+  float bend;               ///< y · w_a, w_a the direction in which place a deviates from its line
+  float slope;              ///< largest deviation of place a in units of the amplitude
+  float limit;              ///< largest amplitude of place a
+  const float* amplitudes;  ///< y · v_b
+  const float* bends;       ///< y · w_b
+  const float* slopes;      ///< slope of each place b
+  const float* limits;      ///< limit of each place b
   const float* correlation;  ///< ρ = v_a · v_b
   const float* inverse;      ///< 1 / (1 - ρ²)
   const float* log_weight;   ///< added to the largest exponent

@@ -28,9 +28,11 @@ constexpr int kManyPeaks = 80;                  // mixture components for poster
 constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
 // With a costly likelihood and a single model, tuning ends when the current proposals give this
-// number of effective draws in fewer steps than the next round of tuning, at the earliest after
-// this number of steps per chain and dimension.
+// number of effective draws in fewer steps than the next round of tuning. Tuning also ends when
+// this share of the draws of the mixture is accepted, because more rounds then hardly improve it.
+// Tuning has at least this number of steps per chain and dimension.
 constexpr double kEnoughDraws = 1000.0;
+constexpr double kGoodRenewal = 0.3;
 constexpr int kStepsADimension = 100;
 // In tuning, less probable models get fewer visits than the others, because no draws of these
 // models are expected.
@@ -68,6 +70,17 @@ double tuned_draws(const RunState& state) {
   return least;
 }
 
+// The share of accepted draws of the mixture in the last round of tuning.
+double accepted_renewals(const RunContext& run, const RunState& state) {
+  const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+  KernelRecord sum;
+  for (int k = 0; k < kernels->size(); ++k)
+    if ((*kernels)[k].name() == "mixture renewal")
+      for (const ChainState& chain : state.chains)
+        sum += chain.records[static_cast<std::size_t>(k)];
+  return static_cast<double>(sum.accepted) / std::max(1.0, static_cast<double>(sum.proposed));
+}
+
 // True if a costly likelihood needs no further round of tuning. False if the user states the number
 // of warm-up iterations or of draws.
 bool is_tuned(const RunContext& run, const RunState& state) {
@@ -76,6 +89,7 @@ bool is_tuned(const RunContext& run, const RunState& state) {
   if (is_given || !run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
       next >= kTuning.size() || state.at.tuned < kStepsADimension * run.space()[0].dimension)
     return false;
+  if (accepted_renewals(run, state) > kGoodRenewal) return true;
   // Lengths of the rounds of tuning are in proportion to kTuning. Both sides are numbers of steps,
   // in units of the last round.
   return kEnoughDraws / tuned_draws(state) <

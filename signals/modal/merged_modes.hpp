@@ -3,10 +3,11 @@
 // The modes of each set-up are identified separately, and then merged (PoSER: Reynders, Magalhães,
 // De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech. Syst. Signal
 // Process. 36:562). The records of the set-ups need neither the same start nor the same excitation.
-// Merged frequencies and damping ratios are weighted means x̄ = Σ w_s x_s / Σ w_s over the set-ups s,
-// with w_s = 1/(v_s + τ²). v_s is the variance of the estimate of set-up s, and τ² is the additional
-// variance between set-ups (DerSimonian & Laird 1986). The shape of each set-up s has an unknown
-// factor a_s. With the entries r_s of this shape at the references, and the mean r of all r_s,
+// Merged frequencies and damping ratios are weighted means x̄ = Σ w_s x_s / Σ w_s over the set-ups
+// s, with w_s = 1/(v_s + τ²). v_s is the variance of the estimate of set-up s, and τ² is the
+// additional variance between set-ups (DerSimonian & Laird 1986). The shape of each set-up s has an
+// unknown factor a_s. With the entries r_s of this shape at the references, and the mean r of all
+// r_s,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
 // where u_s is the inverse variance of r_s. The set-ups are independent. Their covariances and the
 // derivatives of the merged results (for shapes, central differences) give the covariances of the

@@ -337,7 +337,8 @@ void read_alarm(MonitorCaseFile& out) {
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
-    // A transient decays in hours, but rows have no times. It could explain damage in the first rows.
+    // A transient decays in hours, but rows have no times. It could explain damage in the first
+    // rows.
     options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");
@@ -350,7 +351,8 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.most_hinges = learning.value("hinges", 3);
   options.learning.hinges = options.learning.most_hinges > 0;
   options.learning.lag = learning.value("lag", true);
-  // Short chains disagree on many correlated covariates. For few rows, long chains take seconds only.
+  // Short chains disagree on many correlated covariates. For few rows, long chains take seconds
+  // only.
   constexpr long kFewEntries = 20'000;
   if (static_cast<long>(out.learning_rows) * out.series.feature_count() <= kFewEntries) {
     options.learning.engine_warmup = 8000;

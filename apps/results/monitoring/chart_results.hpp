@@ -17,7 +17,8 @@ namespace wheeltap::apps {
 
 /// A list with name, threshold, alarms and first_alarm of each chart. If `monitor` (of the summary)
 /// has an alarm, the list also has alarms_before_onset and delay. The delay is the time from the
-/// median onset of this first alarm to the next alarm of the chart, in time units (hours for dates).
+/// median onset of this first alarm to the next alarm of the chart, in time units (hours for
+/// dates).
 [[nodiscard]] Report charts_json(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor,
     const std::vector<identification::monitoring::ChartFinding>& charts);

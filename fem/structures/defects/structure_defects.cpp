@@ -187,8 +187,9 @@ class Gathered {
         g(i, j) = bending.mass * square + bending.rotary * l * rest - d[a].dot(f[b]) -
                   d[b].dot(f[a]) + d[a].dot(mass * d[b]);
       }
-    // Change [Pᵀ G P, Pᵀ m; mᵀ P, 0] in the two strains and the four motions of the element. Each strain
-    // or motion is scaled by its value for a unit rotation, so that all have the same order of magnitude.
+    // Change [Pᵀ G P, Pᵀ m; mᵀ P, 0] in the two strains and the four motions of the element. Each
+    // strain or motion is scaled by its value for a unit rotation, so that all have the same order
+    // of magnitude.
     Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
     change.topLeftCorner<2, 2>() = p.transpose() * g * p;
     change.topRightCorner<2, 4>() = p.transpose() * m;
