@@ -128,7 +128,7 @@ void monitor(CommonOptions common, const MonitorFlags& flags) {
     if (!wait_for_rows(common, seen, flags.poll_seconds)) break;
   }
   if (flags.alarm_exit && alarmed(summary))
-    throw Failure(Exit::alarm, "alarm: " + monitor_headline(summary.at("monitor")));
+    throw Failure(Exit::alarm, monitor_headline(summary.at("monitor")));
 }
 
 }  // namespace

@@ -151,18 +151,22 @@ std::string time_text(const Report& t) {
   return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
 }
 
-std::string alarm_log(const Report& alarms) {
+/// Table of the alarms. `days` holds the time of each alarm on the axis of the figures, for dates.
+std::string alarm_log(const Report& alarms, const Numbers& days) {
   if (alarms.empty()) return "<p>No alarm.</p>\n";
   std::string out =
       "<div class=\"scroll\"><table><tr><th>alarm</th><th>onset, median</th>"
       "<th>95 % interval</th><th>P(changed)</th><th>shifts</th></tr>\n";
-  for (const Report& a : alarms)
-    out += "<tr><td>" + escaped(time_text(a.at("time"))) + "</td><td>" +
+  for (std::size_t i = 0; i < alarms.size(); ++i) {
+    const Report& a = alarms[i];
+    out += "<tr><td>" + escaped(time_text(a.at("time"))) +
+           (i < days.size() ? " (day " + fixed(days[i], 1) + ")" : std::string()) + "</td><td>" +
            escaped(time_text(a.at("onset").at("q50"))) + "</td><td>" +
            escaped(time_text(a.at("onset").at("q2.5"))) + " to " +
            escaped(time_text(a.at("onset").at("q97.5"))) + "</td><td>" +
            percent(a.at("probability_changed").get<double>()) + "</td><td class=\"odd\">" +
            escaped(shifts_in_words(a)) + "</td></tr>\n";
+  }
   return out + "</table></div>\n";
 }
 
@@ -227,18 +231,26 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const SeriesTable t = table_of(series);
   if (t.time.empty()) throw std::invalid_argument("series.csv has no rows");
   const Report& monitor = summary.at("monitor");
-  std::string out = page_head(
-      summary.at("title").get<std::string>(), monitor_headline(monitor),
-      {false_alarms_in_words(monitor) + " Wheeltap uses the higher of the thresholds of model and "
-                                        "replay, unless the case selects one."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
-  const std::string unit = dates ? "days since the first row"
-                                 : "time [" + monitor.value("time_unit", std::string("h")) + "]";
+  std::vector<std::string> details;
+  for (const Report& a : monitor.at("alarms"))
+    details.push_back("Shifts at the alarm of " + time_text(a.at("time")) + ": " +
+                      shifts_in_words(a) + ".");
+  details.push_back(false_alarms_in_words(monitor));
+  std::string out =
+      page_head(summary.at("title").get<std::string>(), monitor_headline(monitor), details);
+  const std::string first = series.layout ? series.layout->start : "the first row";
+  const std::string unit =
+      dates ? "days since " + first : "time [" + monitor.value("time_unit", std::string("h")) + "]";
   std::vector<double> marks;
   const io::Column& alarm = series.columns.back();
   for (std::size_t i = 0; i < t.time.size(); ++i)
     if (alarm.values[i] > 0.5) marks.push_back(t.time[i]);
-  out += "<h2>Alarms</h2>\n" + alarm_log(monitor.at("alarms"));
+  const Report& warnings = summary.at("diagnostics").at("warnings");
+  if (!warnings.empty()) out += "<h2 id=\"warnings\">Warnings</h2>\n";
+  for (const Report& w : warnings)
+    out += "<p class=\"odd\">" + escaped(w.get<std::string>()) + "</p>\n";
+  out += "<h2>Alarms</h2>\n" + alarm_log(monitor.at("alarms"), dates ? marks : Numbers());
   out += explanation_section(monitor);
   out += "<h2>Probability of a change</h2>\n" +
          single_chart(t.time, t.changed, "P(changed)", unit, 0.0, 1.0, marks, NAN);
@@ -247,18 +259,16 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   out += "<h2>Alarm statistic</h2>\n" +
          single_chart(t.time, t.statistic, "ln S", unit, std::min(low, 0.0),
                       std::max(high, threshold + 1.0), marks, threshold) +
-         "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms.</p>\n";
+         "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms. Some rows "
+         "after an alarm, the change is accepted: the statistic begins anew, and P(changed) keeps "
+         "the accepted change.</p>\n";
   if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
       "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
-      "a change. Figures on the right: the values without the effect of the covariates.</p>\n";
+      "a change since the last alarm. The band is wide in rows without covariates. Second figure "
+      "of each feature: the values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
   if (charts) out += chart_section(monitor, *charts, unit, marks);
-  const Report& warnings = summary.at("diagnostics").at("warnings");
-  out += "<h2 id=\"warnings\">Warnings</h2>\n";
-  if (warnings.empty()) out += "<p>No warnings.</p>\n";
-  for (const Report& w : warnings)
-    out += "<p class=\"odd\">" + escaped(w.get<std::string>()) + "</p>\n";
   return out + page_end();
 }
 

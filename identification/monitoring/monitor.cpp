@@ -106,8 +106,8 @@ double Monitor::log_threshold_replayed() const {
 }
 
 double Monitor::probability_changed() const {
-  return -std::expm1(log_unchanged_ +
-                     std::log1p(-std::min(change_.probability_changed(), 1.0 - 1e-15)));
+  const double changed = std::min(change_.probability_changed(), 1.0 - 1e-15);
+  return std::max(0.0, -std::expm1(log_unchanged_ + std::log1p(-changed)));  // no -0
 }
 
 RowFinding Monitor::add(const Row& row) {

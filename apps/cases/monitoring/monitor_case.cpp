@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cases/monitoring/series_warnings.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/nearest.hpp"
 #include "base/constants.hpp"
@@ -43,6 +44,23 @@ SeriesColumns columns_of(const CaseFile& file) {
     file.refuse(kSeries / "sd", "must have one column for each of the " +
                                     std::to_string(out.features.size()) + " features, or be null");
   return out;
+}
+
+/// Refuses a column with two uses: as a covariate, a feature would explain its own change.
+void check_uses(const CaseFile& file, const SeriesColumns& columns) {
+  std::vector<std::pair<std::string, std::string>> uses = {{columns.time, "\"time\""}};
+  const auto add = [&](const std::vector<std::string>& list, const char* key) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const auto same =
+          std::ranges::find(uses, list[i], &std::pair<std::string, std::string>::first);
+      if (same != uses.end())
+        file.refuse(kSeries / key / i,
+                    "the column is also named in " + same->second + ": use each column once");
+      uses.emplace_back(list[i], std::string("\"") + key + "\"");
+    }
+  };
+  add(columns.features, "features");
+  add(columns.covariates, "covariates");
 }
 
 /// The key that names a column, for messages.
@@ -113,6 +131,16 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns, c
                                   .what()));
 }
 
+/// Refuses a column without numbers.
+void require_numbers(const signals::Record& table, int column) {
+  const io::Column& cells = table.columns[index(column)];
+  if (cells.cells != io::CellKind::number ||
+      std::ranges::all_of(cells.values, [](double x) { return std::isnan(x); }))
+    refuse_row(table, 0, column,
+               "the column has no numbers, only empty cells, text or dates: name another column, "
+               "correct the cells, or remove this column from the case");
+}
+
 TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int column) {
   const io::Column& time = table.columns[index(column)];
   const Json& series = file.json.at("series");
@@ -152,8 +180,7 @@ void read_features(const signals::Record& table, const SeriesColumns& columns,
     const int column = table.find(columns.features[index(j)]);
     const io::Column& values = table.columns[index(column)];
     series.feature_names.push_back(values.header);
-    if (values.cells != io::CellKind::number)
-      refuse_row(table, 0, column, "the column does not hold numbers");
+    require_numbers(table, column);
     const int sd = columns.sds.empty() ? -1 : table.find(columns.sds[index(j)]);
     for (Eigen::Index i = 0; i < n; ++i) {
       const double x = values.values[index(i)];
@@ -182,8 +209,7 @@ void read_covariates(const signals::Record& table, const SeriesColumns& columns,
     const int column = table.find(columns.covariates[c]);
     const io::Column& values = table.columns[index(column)];
     out.series.covariate_names.push_back(values.header);
-    if (values.cells != io::CellKind::number)
-      refuse_row(table, 0, column, "the column does not hold numbers");
+    require_numbers(table, column);
     for (Eigen::Index i = 0; i < n; ++i) {
       const double u = values.values[index(i)];
       if (std::isinf(u)) refuse_row(table, static_cast<int>(i), column, "is not finite");
@@ -223,7 +249,8 @@ void read_learning(MonitorCaseFile& out) {
   double hours = 0.0;
   if (out.time.unit == "date") {
     if (!until.is_string())
-      out.file.refuse(where, "must be a date, as the times of the series are");
+      out.file.refuse(where, "must be a date, as the times of the series are, for example \"" +
+                                 out.time.text(out.series.hours.back()) + "\"");
     const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
     if (!stamp || !stamp->has_date)
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
@@ -252,33 +279,11 @@ void read_learning(MonitorCaseFile& out) {
                                ": wait until the training period ends, or give an earlier time");
 }
 
-/// Warns of values of the training period that are probably error codes, such as -999: more than
-/// kLargestDeviation robust standard deviations from the median.
-void warn_of_error_codes(MonitorCaseFile& out) {
-  for (int c = 0; c < out.series.covariate_count(); ++c) {
-    std::vector<double> values;
-    for (int i = 0; i < out.learning_rows; ++i)
-      if (const double u = out.series.covariates(i, c); std::isfinite(u)) values.push_back(u);
-    if (values.empty()) continue;
-    const auto median = [](std::vector<double> list) {
-      const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
-      std::nth_element(list.begin(), middle, list.end());
-      return *middle;
-    };
-    const double centre = median(values);
-    for (double& u : values) u = std::abs(u - centre);
-    const double limit = identification::monitoring::kLargestDeviation * 1.4826 * median(values);
-    for (int i = 0; i < out.learning_rows && limit > 0.0; ++i) {
-      const double u = out.series.covariates(i, c);
-      if (!(std::abs(u - centre) > limit)) continue;
-      out.warnings.push_back("The covariate " + out.series.covariate_names[index(c)] + " is " +
-                             base::number(u) + " at " + out.time.text(out.series.hours[index(i)]) +
-                             ", in the training period, where its median is " +
-                             base::number(centre) +
-                             ": leave the cell empty if this value is an error code.");
-      break;
-    }
-  }
+/// The first value of a feature.
+double constant_of(const MonitorCaseFile& out, int feature) {
+  for (int i = 0; i < out.learning_rows; ++i)
+    if (std::isfinite(out.features(i, feature))) return out.features(i, feature);
+  return kNaN;
 }
 
 /// Faults of the series as complaints about the case; a constant covariate is a warning.
@@ -299,7 +304,9 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
             " values in the training period: name another column, or extend the training period");
         break;
       case Kind::feature_constant:
-        feature("is constant in the training period: check the column, or remove it");
+        feature("is constant in the training period (" +
+                base::number(constant_of(out, fault.column)) +
+                "): check the sensor, or remove the column from the case");
         break;
       case Kind::covariate_missing:
         out.file.refuse(
@@ -310,7 +317,7 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
         out.warnings.push_back(
             "The covariate " + out.series.covariate_names[index(fault.column)] +
             " is constant in the training period: its effect cannot be inferred, and Wheeltap "
-            "leaves it out.");
+            "leaves it out. An alarm may then be an effect of this covariate.");
         break;
       case Kind::sd_not_positive:
         out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
@@ -569,12 +576,14 @@ MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
   out.title = out.file.json.value("title", std::string("Monitoring"));
   check_source(out.file);
   const SeriesColumns columns = columns_of(out.file);
+  check_uses(out.file, columns);
   if (out.file.json.at("series").contains("features"))
     read_series_table(columns, reading, out);
   else
     read_series_of_tests(columns, reading, out);
   check_series(columns, out);
   warn_of_error_codes(out);
+  warn_of_dead_columns(out);
   read_alarm(out);
   out.structure = parse_monitored_structure(out.file, columns.features.size());
   return out;

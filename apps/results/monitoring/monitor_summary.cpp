@@ -23,23 +23,26 @@ std::string cell(double x) {
   return std::isfinite(x) ? base::significant(x, 9) : std::string();
 }
 
-Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
-  const ChangeEstimate& change = alarm.change;
+Report change_json(const MonitorCaseFile& parsed, const ChangeEstimate& change) {
   Report features = Report::array();
   for (Eigen::Index j = 0; j < change.shift.size(); ++j)
     features.push_back({{"name", parsed.series.feature_names[index(j)]},
                         {"shift", change.shift[j]},
                         {"sd", change.shift_sd[j]},
                         {"probability_shifted", change.shifted_probability[j]}});
-  Report out = {{"time", parsed.time.written(alarm.hours)},
-                {"onset",
-                 {{"q2.5", parsed.time.written(change.onset_low)},
-                  {"q50", parsed.time.written(change.onset_median)},
-                  {"q97.5", parsed.time.written(change.onset_high)}}},
-                {"probability_changed", change.probability},
-                {"probability_at_alarm", alarm.probability_at_alarm},
-                {"probability_ramp", change.ramp_probability},
-                {"features", features}};
+  return {{"onset",
+           {{"q2.5", parsed.time.written(change.onset_low)},
+            {"q50", parsed.time.written(change.onset_median)},
+            {"q97.5", parsed.time.written(change.onset_high)}}},
+          {"probability_changed", change.probability},
+          {"probability_ramp", change.ramp_probability},
+          {"features", features}};
+}
+
+Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
+  Report out = change_json(parsed, alarm.change);
+  out["time"] = parsed.time.written(alarm.hours);
+  out["probability_at_alarm"] = alarm.probability_at_alarm;
   if (parsed.tests) {
     const auto& hours = parsed.series.hours;
     const auto row = std::ranges::lower_bound(hours, alarm.hours) - hours.begin();
@@ -101,6 +104,57 @@ Report baseline_json(const Monitor& monitor) {
           {"rhat_max", finite(baseline.rhat_max)}};
 }
 
+/// Number of monitored rows with at least one feature.
+long rows_with_features(const MonitorCaseFile& parsed) {
+  long out = 0;
+  for (Eigen::Index i = parsed.learning_rows; i < parsed.features.rows(); ++i)
+    out += parsed.features.row(i).array().isFinite().any() ? 1 : 0;
+  return out;
+}
+
+/// A probability after "P(changed)": "= 12.3 %" or "> 99.9 %".
+std::string related(double probability) {
+  const std::string text = percent(probability);
+  return (text.starts_with('<') || text.starts_with('>') ? "" : "= ") + text;
+}
+
+/// Writes times of a monitored series with their unit.
+struct TimeWords {
+  explicit TimeWords(const Report& monitor) {
+    const std::string unit = monitor.value("time_unit", std::string());
+    before = unit == "row" ? "row " : "";
+    after = unit == "row" || unit == "date" || unit.empty() ? "" : " " + unit;
+  }
+  [[nodiscard]] static std::string plain(const Report& t) {
+    return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
+  }
+  [[nodiscard]] std::string at(const Report& t) const { return before + plain(t) + after; }
+  [[nodiscard]] std::string onset(const Report& onset) const {
+    return at(onset.at("q50")) + " (95 % interval " + plain(onset.at("q2.5")) + " to " +
+           plain(onset.at("q97.5")) + after + ")";
+  }
+
+  std::string before, after;
+};
+
+std::string headline_without_alarm(const Report& monitor) {
+  const long rows = monitor.at("rows").get<long>() - monitor.at("learning_rows").get<long>();
+  if (monitor.at("rows_with_features").get<long>() == 0)
+    return "No alarm: none of the " + base::grouped(rows) +
+           " monitored rows has a value of a feature.";
+  const std::string none = "No alarm in " + base::grouped(rows) + " monitored rows";
+  const std::string changed =
+      "P(changed) " + related(monitor.at("probability_changed").get<double>());
+  if (!monitor.contains("possible_change") || monitor.at("log_statistic").is_null())
+    return none + "; " + changed + ".";
+  const Report& change = monitor.at("possible_change");
+  return none + ": the alarm statistic, ln S = " +
+         base::fixed(monitor.at("log_statistic").get<double>(), 1) + ", is below its threshold, " +
+         base::fixed(monitor.at("log_threshold").at("used").get<double>(), 1) +
+         ". A change is nevertheless probable: " + changed + ", onset " +
+         TimeWords(monitor).onset(change.at("onset")) + ", " + shifts_in_words(change) + ".";
+}
+
 }  // namespace
 
 std::string series_header(const MonitorCaseFile& parsed) {
@@ -135,6 +189,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
       {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
       {"alarms", alarms},
       {"probability_changed", monitor.probability_changed()},
+      {"log_statistic", finite(monitor.change().log_statistic())},
       {"false_alarms_per_year", rates},
       {"replayed_is_lower_bound", monitor.replay().is_lower_bound(monitor.log_threshold_stated())},
       {"log_threshold",
@@ -144,6 +199,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
       {"rows", parsed.series.rows()},
       {"time_unit", parsed.time.unit},
       {"learning_rows", parsed.learning_rows},
+      {"rows_with_features", rows_with_features(parsed)},
       {"unscored_rows", monitor.unscored_rows()},
       {"last_time", parsed.time.written(parsed.series.hours.back())},
       {"onset_mass_moved", monitor.change().moved_mass()},
@@ -154,19 +210,21 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
         {"stated", std::exp(monitor.log_threshold_stated())},
         {"replayed", 1.0 / monitor.replay().rate(monitor.log_threshold_stated())}};
   }
+  if (monitor.alarms().empty() && monitor.probability_changed() > 0.5)
+    result["possible_change"] = change_json(parsed, monitor.change().estimate());
   std::vector<std::string> warnings = parsed.warnings;
+  const long monitored = rows_with_features(parsed);
   if (monitor.unscored_rows() > 0)
-    warnings.push_back("The features of " + std::to_string(monitor.unscored_rows()) +
-                       " monitored rows were not used, because the covariates that explain them "
-                       "are missing: no alarm is possible in these rows.");
-  if (monitor.log_threshold() > monitor.log_threshold_stated())
-    warnings.push_back(
-        "Replayed healthy rows raise more false alarms than the model predicts: Wheeltap uses the "
-        "higher threshold of the replay.");
+    warnings.push_back("The features of " + base::grouped(monitor.unscored_rows()) + " of " +
+                       base::grouped(monitored) +
+                       " monitored rows were not used, because covariates of these rows, or of "
+                       "the rows just before, are missing: no alarm is possible in these rows.");
   if (!(monitor.baseline().rhat_max < 1.1))
-    warnings.push_back("The chains of the training period have not converged (R-hat " +
-                       significant(monitor.baseline().rhat_max, 3) +
-                       "): the draws of knots and drift may miss a part of the posterior.");
+    warnings.push_back(
+        "The chains of the training period have not converged (R-hat " +
+        significant(monitor.baseline().rhat_max, 3) +
+        "): prediction bands and alarm times may differ for another seed. Run again with another "
+        "seed, without --resume, and compare; a longer training period helps.");
   Report out = {{"wheeltap", about("monitor", info, parsed.file)}};
   out["title"] = parsed.title;
   out["answer"] = {monitor_headline(result)};
@@ -176,52 +234,60 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
 }
 
 std::string monitor_headline(const Report& monitor) {
-  if (!monitor.at("alarm").get<bool>()) {
-    const std::string changed = percent(monitor.at("probability_changed").get<double>());
-    const bool bound = changed.starts_with('<') || changed.starts_with('>');
-    return "No alarm in " +
-           base::grouped(monitor.at("rows").get<long>() - monitor.at("learning_rows").get<long>()) +
-           " monitored rows; P(changed) " + (bound ? "" : "= ") + changed + ".";
-  }
+  if (!monitor.at("alarm").get<bool>()) return headline_without_alarm(monitor);
   const Report& alarms = monitor.at("alarms");
   const Report& last = alarms.back();
-  const std::string unit = monitor.value("time_unit", std::string());
-  const std::string before = unit == "row" ? "row " : "";
-  const std::string after = unit == "row" || unit == "date" || unit.empty() ? "" : " " + unit;
-  const auto time = [](const Report& t) {
-    return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
-  };
-  return std::string(alarms.size() == 1 ? "Alarm at "
-                                        : std::to_string(alarms.size()) + " alarms, the last at ") +
-         before + time(last.at("time")) + after + ": features changed at " + before +
-         time(last.at("onset").at("q50")) + after + " (95 % interval " +
-         time(last.at("onset").at("q2.5")) + " to " + time(last.at("onset").at("q97.5")) + after +
-         "), probability " + percent(last.at("probability_changed").get<double>()) + ".";
+  const TimeWords words(monitor);
+  const double now = last.at("probability_changed").get<double>();
+  std::string out =
+      (alarms.size() == 1 ? "Alarm at " : std::to_string(alarms.size()) + " alarms, the last at ") +
+      words.at(last.at("time")) + ": features changed at " + words.onset(last.at("onset")) + ", ";
+  if (now < 0.5)
+    return out + "probability " + percent(last.at("probability_at_alarm").get<double>()) +
+           " at the alarm, but " + percent(now) +
+           " after further rows: the shift was probably temporary.";
+  return out + "probability " + percent(now) + ".";
 }
 
 std::string shifts_in_words(const Report& alarm) {
   std::vector<std::pair<double, std::string>> shifts;
   for (const Report& f : alarm.at("features")) {
     const double shift = f.at("shift").get<double>(), sd = f.at("sd").get<double>();
-    if (f.at("probability_shifted").get<double>() < 0.5) continue;
+    // "probability_shifted" compares shifts of all features with a shift of one feature. Of
+    // several shifts, only those are reported whose 95 % interval excludes zero.
+    if (f.at("probability_shifted").get<double>() < 0.5 || std::abs(shift) < 1.96 * sd) continue;
     shifts.emplace_back(-std::abs(shift) / std::max(sd, 1e-300),
                         f.at("name").get<std::string>() + " by " +
-                            base::fixed(100.0 * std::expm1(shift), 2) + " % ± " +
-                            base::fixed(100.0 * sd, 2) + " %");
+                            base::fixed(100.0 * std::expm1(shift), 2) + " % (sd " +
+                            base::fixed(100.0 * sd, 2) + " %)");
   }
   std::ranges::sort(shifts);
   std::vector<std::string> words;
   for (const auto& [order, text] : shifts) words.push_back(text);
-  return words.empty() ? std::string("no feature with a probability above 50 %") : in_words(words);
+  return words.empty() ? std::string("no feature with a certain shift") : in_words(words);
 }
 
 std::string false_alarms_in_words(const Report& monitor) {
   const bool rows = monitor.contains("rows_between_false_alarms");
   const Report& rates = monitor.at(rows ? "rows_between_false_alarms" : "false_alarms_per_year");
-  return (rows ? "Rows between two false alarms at the threshold of the model: "
-               : "False alarms per year at the threshold of the model: ") +
-         significant(rates.at("stated").get<double>(), 3) + " stated, " +
-         significant(rates.at("replayed").get<double>(), 3) + " in replayed healthy rows.";
+  const Report& thresholds = monitor.at("log_threshold");
+  const double model = thresholds.at("stated").get<double>();
+  const double used = thresholds.at("used").get<double>();
+  const auto rate = [&](const char* which) {
+    const std::string number = significant(rates.at(which).get<double>(), 3);
+    return rows ? "one in " + number + " rows" : number + " a year";
+  };
+  const bool bound = monitor.at("replayed_is_lower_bound").get<bool>();
+  const std::string replayed =
+      (bound ? rows ? "more than " : "at least " : std::string()) + rate("replayed");
+  if (used > model)
+    return "False alarms at the threshold used, ln S = " + base::fixed(used, 1) + ": " +
+           rate("stated") +
+           ", as stated, from replayed healthy rows. At the threshold of the "
+           "model, " +
+           base::fixed(model, 1) + ", the replay gives " + replayed + ".";
+  return "False alarms at the threshold of the model, ln S = " + base::fixed(model, 1) + ": " +
+         rate("stated") + ", as stated. Replayed healthy rows give " + replayed + ".";
 }
 
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
