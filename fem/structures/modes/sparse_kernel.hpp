@@ -24,8 +24,8 @@ struct ColumnGroup {
   std::uint32_t below;           ///< number of rows below the group
   const std::uint32_t* rows;     ///< these rows
   const Run* row_runs;           ///< the same rows as runs
-  /// For each of these rows b, the entries (a, b) for all rows a > b, as runs of positions in
-  /// `lower`.
+  /// Positions in `lower` of the entries (a, b) of L, a > b, as runs: all entries of the first row
+  /// b of `rows`, then those of the second row, and so on.
   const Run* targets;
 };
 
