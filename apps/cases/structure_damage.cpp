@@ -120,7 +120,7 @@ class KindParser {
       out.what = "substructure";
       if (!file_.json.at(where).contains("groups"))
         file_.refuse(where / "groups",
-                     "is missing: must be an object with a list of members for each substructure, "
+                     "is missing: must be an object that maps each substructure to its members, "
                      "{\"columns\": [\"left\", \"right\"]}");
       for (const auto& [name, members] : file_.json.at(where)["groups"].items())
         out.names.push_back(name);
