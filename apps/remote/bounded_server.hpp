@@ -38,7 +38,7 @@ class BoundedServer : public httplib::Server {
   /// and the connection is closed.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
-  /// Closes the connection of this thread after its answer, for a request whose body is not read.
+  /// Closes the connection of this thread after the answer to a request whose body is not read.
   static void close_after_answer() { close_ = true; }
 
  private:

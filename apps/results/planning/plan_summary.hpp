@@ -12,17 +12,17 @@
 
 namespace wheeltap::apps {
 
-/// Content of summary.json: information about the run, and /plan. `check` has no tests if no check
-/// was made.
+/// Content of summary.json: information about the run, and /plan. `check.tests` is empty if no
+/// check was made.
 [[nodiscard]] Report plan_summary(const PlanCaseFile& parsed,
                                   const identification::planning::PlanFindings& findings,
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
 /// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
-/// the test detects with probability 0.9, at the place where this smallest damage is largest. If no
-/// place has such a damage, the truth is the largest damage of the prior. Measured modes replace
-/// the truth after the test.
+/// the test detects with probability 0.9, at the location where this smallest damage is largest. If
+/// the test detects no damage with this probability, the truth is the largest damage at the
+/// location with the most detections. Measured modes replace the truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
 
