@@ -45,7 +45,7 @@ void validate(const Chain& chain);
 
 /// Returns the reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"),
 /// or an empty string for a feasible chain. Simulator::simulate returns Outcome::impossible for an
-/// infeasible chain, and if natural frequencies overflow.
+/// infeasible chain, and also if natural frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
 /// The matrices of the linear part of a chain, n × n each.
@@ -71,10 +71,10 @@ struct Rates {
 /// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes the increase of the rates per unit of the speed of each link, one number per link
-/// [1/m]. At the speeds ė, the largest rate of the paced force laws is at most Σ pace[link]
-/// |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a
-/// damping rate (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
+/// For each link, computes the increase of the rates per unit of the speed of the link [1/m]. At
+/// the speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s],
+/// with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an
+/// eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

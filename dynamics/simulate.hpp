@@ -73,7 +73,7 @@ enum class Integrator {
   /// for samples without a switch, and series for samples with a switch.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
-  /// switching times. For bilinear, contact, quadratic and cubic laws and exact friction.
+  /// switching times. Supports bilinear, contact, quadratic and cubic laws and exact friction.
   series
 };
 
@@ -106,13 +106,13 @@ struct SimulatorOptions {
   /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
   /// steps as before the refinement, when the step limit was `refinement` times as large.
   int refinement = 1;
-  /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws;
-  /// empty: 0.
+  /// For each link, the extension [m] up to which stiffest_rates considers nonlinear force laws. If
+  /// the list is empty, this extension is 0.
   std::vector<double> extension = {};
-  /// Every `stride`-th sample of the excitation is a sample of the response. Set this option for an
-  /// excitation that was upsampled by the factor `stride`.
+  /// Every `stride`-th sample of the excitation is also a sample of the response. Set this option
+  /// for an excitation that was upsampled by the factor `stride`.
   int stride = 1;
-  /// Largest displacement relative to the base [m] of a trajectory that does not count as diverged.
+  /// Limit of the displacement relative to the base [m]. A trajectory that exceeds it has diverged.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
@@ -120,9 +120,9 @@ struct SimulatorOptions {
 /// Outcome of an integration.
 enum class Outcome {
   complete,
-  impossible,  ///< infeasible parameters: a mass <= 0, a gap < 0
+  impossible,  ///< infeasible parameters, for example a mass <= 0 or a gap < 0
   /// The simulation needs more than the maximum number of steps, or the fixed number of steps is
-  /// too small for stability.
+  /// too small for numerical stability.
   steps_too_long,
   diverged  ///< the displacement bound is exceeded, or a value is not finite
 };
@@ -179,8 +179,8 @@ class Simulator {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// The misfit of a simulator to observed signals: the residuals r = (scale · observed + offset) -
-/// predicted of all sensors.
+/// The misfit of a simulator to observed signals: the residuals of all sensors, r = (scale ·
+/// observed + offset) - predicted.
 class Misfit {
  public:
   /// `observed[c]` is the signal of sensor c and has the same number of samples as the response.

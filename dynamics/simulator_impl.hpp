@@ -20,7 +20,7 @@ namespace detail {
 /// numbers each.
 void require_parameters(std::span<const double> thetas, int sets, int parameters);
 
-/// Returns the available kernels by ascending vector width: the kernel of the requested
+/// Returns the available kernels, sorted by ascending SIMD width: the kernel of the requested
 /// instructions, or all kernels that this processor can run.
 [[nodiscard]] std::vector<const kernel::Kernel*> make_kernels(Instructions instructions);
 
@@ -41,10 +41,10 @@ struct Key {
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// The key of a parameter vector that would need more than kMaxSubsteps steps.
+/// The key of a parameter vector that would need more than kMaxSubsteps steps per sample.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
-/// Outcome of one parameter set, and its lane in the memory of `task`.
+/// Outcome for one parameter vector, and the lane of this vector in the memory of `task`.
 struct Lane {
   std::size_t set = 0;
   Key key;

@@ -8,12 +8,12 @@
 
 namespace wheeltap::emulator {
 
-/// The additive quantity: a function of a response f for which the effects of several components
-/// are added.
+/// The additive quantity: a function of a response f whose changes by several components are
+/// summed.
 enum class Additive {
   response,   ///< f itself
   logarithm,  ///< ln f, f > 0
-  square,     ///< f², f > 0: proportional to the eigenvalue of a natural frequency
+  square,     ///< f², f > 0: for a natural frequency f, proportional to the eigenvalue
   /// -1/f², f > 0: by first-order perturbation of the flexibility, this quantity is additive in the
   /// compliances of several damaged elements.
   inverse_square
@@ -35,8 +35,8 @@ enum class Additive {
 /// components, the terms of third and higher order are neglected; `validate` measures the error.
 class AnovaEmulator {
  public:
-  /// `baseline` holds the responses without components. `single` predicts the responses for the m
-  /// factors of one component, and `pair` for the 2 m factors of two components in any order. Both
+  /// `baseline` holds the responses without components. `single` predicts the responses from the m
+  /// factors of one component, and `pair` from the 2 m factors of two components in any order. Both
   /// predictors must be thread-safe if threads share this object. Throws std::invalid_argument for
   /// an empty baseline, m < 1, or a baseline response for which the additive quantity is undefined.
   AnovaEmulator(std::vector<double> baseline, std::size_t factors_per_component, Predictor single,

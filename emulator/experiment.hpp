@@ -22,10 +22,10 @@ struct ExperimentOptions {
   /// Journal: a file of finished runs (empty: no journal). If the file exists, its runs are reused.
   /// The file remains after the last run; the caller removes the file after storing the result.
   std::filesystem::path journal = {};
-  /// Identity of the journal in addition to the design, for example the case as text.
+  /// Text that, with the design, identifies the experiment in the journal, for example the case.
   std::string identity = {};
-  /// Callback after each run with the number of finished runs and the number of all runs. Calls do
-  /// not overlap. Runs of other ranks are counted after each twentieth of the design.
+  /// Callback, called after each run with the number of finished runs and the number of all runs.
+  /// Calls do not overlap. Runs of other ranks are counted after each twentieth of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 

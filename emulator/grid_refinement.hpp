@@ -28,7 +28,7 @@ struct RefinementOptions {
 struct RefinedGrid {
   std::vector<Factor> factors;        ///< factors with the final levels
   RowMatrix values;                   ///< runs × responses on the full-factorial grid of `factors`
-  std::vector<HoldoutError> holdout;  ///< errors at the check points of the last round
+  std::vector<HoldoutError> holdout;  ///< errors at the random check points of the last round
   Eigen::Index model_runs;            ///< number of all model runs, including probes and checks
   bool reached;  ///< true if all responses satisfy the tolerance at every check point
 };

@@ -1,5 +1,5 @@
-// Interpolants of the runs of a table, and the description of each interpolant type: name in a
-// case, accepted runs, training.
+// Interpolants of the runs of a table, and the description of each interpolant type: its name in a
+// case file, the accepted runs and the training function.
 #pragma once
 
 #include <cstddef>

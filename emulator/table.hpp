@@ -1,4 +1,4 @@
-// Tables of model runs, with information on their origin.
+// Tables of model runs, with attributes that describe their origin.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ struct Table {
   std::string response_unit;    ///< for example "Hz"
   /// Runs × responses, rows in the order of `design()`; a row of NaN is a missing run.
   RowMatrix values;
-  std::vector<HoldoutError> holdout;              ///< one error per response; empty: not measured
+  std::vector<HoldoutError> holdout;              ///< hold-out error per response, if measured
   std::map<std::string, std::string> attributes;  ///< for example the emulator to which the table
                                                   ///< belongs
   std::map<std::string, RowMatrix> parameters;    ///< for example correlation lengths of a Gaussian

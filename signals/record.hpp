@@ -43,12 +43,12 @@ struct RecordReading {
 /// The sampling according to a time column.
 struct Sampling {
   enum class Basis {
-    unit,     ///< the header or the name of the column gives the unit
-    scale,    ///< the caller gives the scale
+    unit,     ///< the header or the name of the time column gives the unit
+    scale,    ///< the caller gives the duration of one unit
     stamps,   ///< dates and times of day
     epoch,    ///< counts since 1970; the counts are so large that only this unit is possible
     days,     ///< a spreadsheet's dates: days since 1900, or since year 0
-    assumed,  ///< no unit: seconds
+    assumed,  ///< no unit is given; seconds are assumed
     header,   ///< no time column: a line above the rows gives the rate
     stated    ///< no time column, or times that are too coarse: the case states the rate
   };

@@ -6,7 +6,7 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The classical fourth-order scheme with task.substeps equal time steps per sample, for force laws
-/// without memory,
+/// without memory. Its Butcher tableau:
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -106,7 +106,7 @@ class RungeKutta {
       }
       if (s == 0 && seen(a1)) return;
 
-      // k2, in the middle after half a step of k1
+      // k2, at the middle of the step: half a step with the rates k1
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive[i] += slope[i];

@@ -16,8 +16,8 @@ namespace wheeltap::dynamics::laws {
 ///
 ///   T = F tanh(ė / v).
 ///
-/// For |ė| < v, the regularised law is a viscous damper F/v, so that the link creeps instead of
-/// sticking. A small v requires small time steps.
+/// For |ė| < v, the regularised law acts like a viscous damper F/v, so that the link creeps instead
+/// of sticking. A small v requires small time steps.
 struct Coulomb {
   static constexpr LawInfo kInfo{
       .name = "coulomb",

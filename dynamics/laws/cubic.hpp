@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Cubic spring T = k₃ e³ (Duffing). The spring hardens for k₃ > 0 and softens for k₃ < 0. Together
-/// with a negative linear stiffness k, the potential of the link has two wells at e = ±√(-k/k₃).
+/// Cubic spring T = k₃ e³ (Duffing). The spring hardens for k₃ > 0 and softens for k₃ < 0. For k₃ >
+/// 0 and a negative linear stiffness k, the potential of the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
   static constexpr LawInfo kInfo{
       .name = "cubic",

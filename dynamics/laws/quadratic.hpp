@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quadratic spring T = k₂ e², the even part of the tension of an asymmetric spring (two wells of
-/// unequal depth).
+/// Quadratic spring T = k₂ e², the even part of the tension of an asymmetric spring, for example of
+/// a spring whose potential has two wells of unequal depth.
 struct Quadratic {
   static constexpr LawInfo kInfo{.name = "quadratic",
                                  .formula = "T = k2 e^2",

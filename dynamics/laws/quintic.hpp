@@ -6,9 +6,9 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quintic spring T = k₅ e⁵. The spring hardens (k₅ > 0) or softens (k₅ < 0) more strongly than a
-/// cubic spring. The series integrator does not support fifth powers, so chains with this law use
-/// Runge-Kutta.
+/// Quintic spring T = k₅ e⁵. The spring hardens (k₅ > 0) or softens (k₅ < 0) more strongly at large
+/// extensions than a cubic spring. The series integrator does not support fifth powers, so chains
+/// with this law use Runge-Kutta.
 struct Quintic {
   static constexpr LawInfo kInfo{
       .name = "quintic",

@@ -30,7 +30,7 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States sampled in warm-up, separately for each model, thinned to a few thousand.
+/// States sampled in warm-up, listed for each model and thinned to a few thousand states.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);

@@ -65,11 +65,11 @@ struct AnnealingDrawsBeyond {
   /// Share of the draws outside the mixture, by SMC and by the chains.
   double annealed = 0.0, drawn = 0.0;
 };
-/// The largest importance weights of a model's evidence decay so slowly that a longer sample may
-/// find far more evidence, and the model's draws do not confirm the evidence.
+/// The largest importance weights of a model's evidence have such a heavy tail that a larger sample
+/// may give a far larger evidence, and the model's draws do not confirm the evidence.
 struct EvidenceUnreliable {
   int model = 0;
-  double pareto = 0.0, limit = 0.0;  ///< shape k̂ of the weights; must not exceed `limit`
+  double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
   Estimate by_evidence{};            ///< probability by evidence
   double factor = 1.0;               ///< factor by which the evidence may be too small
 };
@@ -77,7 +77,7 @@ struct EvidenceUnreliable {
 struct ModesLeftOut {
   int model = 0;
   long modes = 0;      ///< number of modes that were left out
-  double share = 0.0;  ///< share of these modes in the model's probability (Laplace)
+  double share = 0.0;  ///< share of these modes in the model's probability mass (Laplace)
 };
 /// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {
@@ -102,7 +102,7 @@ struct ParameterMovesSlowly {
   int model = 0;
   std::string parameter;
   double ess = 0.0, limit = 0.0;
-  bool tail = false;  ///< true: too few for its 5 % and 95 % quantiles, the interval limits
+  bool tail = false;  ///< true: too few effective draws of its 5 % and 95 % quantiles
 };
 /// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {

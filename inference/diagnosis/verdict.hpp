@@ -21,11 +21,11 @@ struct Verdict {
   bool converged = false;               ///< true exactly if `not_established` is empty
   std::vector<Reason> not_established;  ///< the most serious reason first; reasons of one kind by
                                         ///< descending model probability
-  /// Resolution of the mode search: a share of the prior. If the basin of attraction of a posterior
-  /// mode holds a smaller share of the prior, all local optimisations miss the mode with a
-  /// probability above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest
-  /// over the models, and 1 without a search. In a long list, models with only local optimisations
-  /// and a probability below kLimits.searched_model are excluded.
+  /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
+  /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
+  /// above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest over the
+  /// models, and 1 without a search. In a long list, models with only local optimisations and a
+  /// probability below kLimits.searched_model are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is

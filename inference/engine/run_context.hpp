@@ -152,7 +152,7 @@ struct RunContext {
 [[nodiscard]] bool is_impossible(const RunState& state, int model);
 
 /// Prepares a new context to continue a run from `state`. Throws CheckpointError if the likelihood
-/// at the chains' states differs in any bit: the data or the processor has changed.
+/// at the chains' states differs in any bit, because the data or the processor have changed.
 void resume(RunContext& run, const RunState& state);
 
 /// Number of likelihood evaluations by all chains and by shared work. If the problem has an

@@ -51,7 +51,7 @@ struct Bridge {
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
-/// Bridge sampling with a given pilot.
+/// Runs bridge sampling like the function above, with a given pilot.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 

@@ -20,11 +20,11 @@ struct ModeOptions {
   bool check = true;  ///< Laplace's method: warn if the posterior is not normal
 };
 
-/// Maximum of ln π(z), by self-adaptive differential evolution and Newton steps with finite
-/// differences. If the problem can be shortened, the search begins with the first 50 samples. The
-/// search then doubles the number of samples until the record is complete. Each search starts from
-/// the posterior mode for the shorter record. Throws LikelihoodError if no point of the search has
-/// a positive likelihood.
+/// Finds the maximum of ln π(z) by self-adaptive differential evolution and Newton steps with
+/// finite differences. If the problem can be shortened, the search begins with the first 50
+/// samples. The search then doubles the number of samples until the record is complete. Each search
+/// starts from the posterior mode for the shorter record. Throws LikelihoodError if no point of the
+/// search has a positive likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 

@@ -25,7 +25,7 @@ struct ModelSamples {
   /// Draws in standard normal coordinates, one matrix (draws × dimension) per chain
   std::vector<Eigen::MatrixXd> z;
   std::vector<Eigen::MatrixXd> x;                  ///< draws in physical parameters
-  std::vector<std::vector<double>> log_posterior;  ///< ln p₀ + ln factor + ln likelihood
+  std::vector<std::vector<double>> log_posterior;  ///< ln p₀ + ln prior factor + ln likelihood
   std::vector<std::vector<double>> log_likelihood;
   double acceptance = 0.0;  ///< acceptance rate after warm-up
   double rhat = 1.0;        ///< largest R-hat over the parameters and the log posterior

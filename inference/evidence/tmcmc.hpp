@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// Path of the data, for problems that can be shortened: all data at once, a growing part of the
-/// data, or the better of these two paths.
+/// Order in which the data enter, for problems that can be shortened: all data at once, a growing
+/// part of the data, or the better of these two options.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
@@ -27,9 +27,9 @@ struct TmcmcOptions {
   /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Optional, for an expensive likelihood: an approximation of ln factor + ln likelihood up to a
-  /// constant, finite at every finite z. Several threads may call it at once. Stages in which its
-  /// error is small use it to screen moves (see `tmcmc`).
+  /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
+  /// to a constant, finite at every finite z. Several threads may call it at once. It screens moves
+  /// in stages in which its error is small (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
@@ -49,19 +49,19 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
   int stages = 0;                     ///< largest number of stages of any replicate
-  /// Number of half-stages with screened moves, of all replicates
+  /// Number of half-stages with screened moves, summed over the replicates
   long screened = 0;
   /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
   /// tempered posteriors, and log_posterior is empty.
   bool cut = false;
 };
 
-/// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through
+/// TMCMC (Ching & Chen 2007, J. Engineering Mechanics 133:816) moves samples through the densities
 ///
 ///   π_j(z) ∝ p₀(z) [factor · likelihood]^{β_j},   0 = β_0 < … < β_m = 1,
 ///
-/// by weighting with [factor · likelihood]^(β_j - β_{j-1}), resampling, and Metropolis moves. Z =
-/// ∏_j mean of the weights of stage j.
+/// where `factor` is the prior factor. Stage j weights the samples by [factor · likelihood]^(β_j -
+/// β_{j-1}), resamples, and makes Metropolis moves. Z is the product of the mean weights.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
 /// 89:539). The first part of the data leads from the prior to the posterior of the first 50

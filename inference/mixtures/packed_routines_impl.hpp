@@ -1,7 +1,7 @@
-// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles. Each source
-// file that includes this header is compiled for one instruction set. No operation depends on the
-// register width, and no operation is contracted to a fused multiply-add. The results are therefore
-// equal bit for bit, and a chain does not depend on the processor.
+// The routines of packed_routines.hpp for SIMD registers of WHEELTAP_PACKED_WIDTH doubles. Each
+// source file that includes this header is compiled for one instruction set. No operation depends
+// on the SIMD width, and no operation is contracted to a fused multiply-add. The results are
+// therefore equal bit for bit, and a chain does not depend on the processor.
 
 // <cmath> is not included, because instances of its templates could be shared between instruction
 // sets.

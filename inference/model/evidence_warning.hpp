@@ -17,7 +17,7 @@ struct EvidenceWarning {
     samples_hardly_move,  ///< the Metropolis moves of TMCMC hardly change the samples in some stage
     bridge_unsettled,     ///< the proposal and the posterior hardly overlap
     few_bridge_draws,     ///< `value`: effective posterior draws in bridge sampling
-    chains_disagree,      ///< `value`: R-hat
+    chains_disagree,      ///< the chains have an R-hat above the limit; `value`: R-hat
     heavy_tail,           ///< importance weights have a heavy tail; `value`: their Pareto shape
     few_effective_draws,  ///< `value`: effective draws of importance sampling
     /// The posterior about the posterior mode is not normal. `value` is ln Z by importance sampling

@@ -9,7 +9,7 @@ namespace wheeltap::inference {
 /// affect this time.
 struct LikelihoodTime {
   double mean = 0.0;    ///< mean over draws of the prior, where local optimisations start
-  double middle = 0.0;  ///< median, which a few expensive evaluations do not change
+  double middle = 0.0;  ///< median, which a few expensive evaluations hardly change
   long calls = 0;       ///< number of measured evaluations
 };
 

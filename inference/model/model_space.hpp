@@ -15,9 +15,9 @@ struct Parameter {
   Prior prior;
 };
 
-/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state
-/// contains a set of components of one kind, sorted by their first parameter. The prior density of
-/// an ordered set of k components is
+/// A kind of exchangeable component, e.g. a damage with a location and a stiffness reduction. A
+/// state contains a set of components of one kind, sorted by their first parameter. The prior
+/// density of an ordered set of k components is
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
@@ -76,7 +76,7 @@ class ModelSpace {
   };
 
   /// Creates a space of any models over a shared table of parameters. Throws std::invalid_argument
-  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or
+  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or prior
   /// weights that are negative or all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);

@@ -26,7 +26,7 @@ struct Evaluation {
   /// number of components. Births are then proposed at locations where a new component reduces the
   /// residuals.
   std::vector<double> residuals = {};
-  /// The common factor of all standard deviations if the noise is a parameter, and 1 for known
+  /// The common factor of all noise standard deviations if it is a parameter, and 1 for known
   /// noise. The product residual · noise_scale then does not depend on the noise.
   double noise_scale = 1.0;
 
@@ -134,7 +134,7 @@ struct Reflection {
 
 class Move;
 
-/// A user-defined MCMC move, e.g. a Transformation that uses the structure of the problem. The
+/// A user-defined MCMC move, e.g. a Transformation that uses special properties of the problem. The
 /// engine creates the move for each chain and temperature at the start of every round.
 struct NamedMove {
   std::string name;
@@ -187,8 +187,8 @@ struct State {
   bool evaluated = false;  ///< log_likelihood and prediction also belong to z
 };
 
-/// Thrown if a model's likelihood is never finite under its prior, or too often is NaN or +∞.
-/// The message names the model and the parameter values.
+/// Thrown if a model's likelihood is zero at every draw of its prior, or too often NaN or +∞. The
+/// message names the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

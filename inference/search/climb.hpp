@@ -81,9 +81,9 @@ struct ClimbEnd {
 /// BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to which
 /// steepest ascent would lead. `way / points` is the mean distance between two such points.
 ///
-/// The default steps of the first differences are suitable for a start drawn from the prior. Near a
-/// mode whose width is a thousandth of the width of the prior, these steps give a wrong direction.
-/// If `fine` is true, the steps are reduced until the widths of the mode converge.
+/// The default difference steps for the gradient are suitable for a start drawn from the prior.
+/// Near a mode whose width is a thousandth of the width of the prior, these steps give a wrong
+/// direction. If `fine` is true, the steps are reduced until the widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 

@@ -27,12 +27,12 @@ struct ModeSearchOptions {
   /// optimisations in progress are finished. Replacements of components may use a further 10 %, or
   /// as many evaluations as the optimisations before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of
-  /// optimisations from the prior, followed modes, and draws near each mode.
+  /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of optimisations
+  /// from prior draws, followed modes, and draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
-  bool fine = false;  ///< `starts` are near modes: use small first differences (climb.hpp)
+  bool fine = false;  ///< `starts` are near modes: use small difference steps (climb.hpp)
   int threads = 0;    ///< 0: all threads of the machine. Results do not depend on this number.
   /// Callback, called from one thread with the completed share. If it returns false, the search
   /// ends.
@@ -100,8 +100,8 @@ inline constexpr long kMostClimbs = 10000;
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
-/// The largest share of the prior in a basin that all n optimisations miss with probability 1 in
-/// 100: 1 - 0.01^(1/n).
+/// The prior probability of a basin that all n optimisations miss with probability 1 in 100: 1 -
+/// 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
 /// The resolution for modes of this width, in standard deviations of the prior, with respect to

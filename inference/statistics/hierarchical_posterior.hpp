@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood of the quantity θ_j of one group, without the prior:
+/// Normal likelihood of the quantity θ_j of one group, without the prior:
 ///
 ///   ln L_j(θ) = c - ½ ((θ - mean) / sd)²;   sd = ∞ for data without information.
 struct GroupEstimate {
@@ -72,7 +72,7 @@ struct HierarchicalPosterior {
 [[nodiscard]] HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                                            const HierarchicalOptions& options = {});
 
-/// Ratio of the standard deviation of the groups' means to their errors, and the probability that
+/// Ratio of the scatter of the groups' means to their standard errors, and the probability that
 /// errors alone cause a larger ratio: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the
 /// weighted mean m (Birge 1932).
 struct BirgeRatio {

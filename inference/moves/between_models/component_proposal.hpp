@@ -47,9 +47,9 @@ struct EffectAtlas {
   Eigen::VectorXf half_square;  ///< ½ |D_c|² of each cell
   double noise_scale = 1.0;     ///< noise scale for which the effects were computed
 
-  /// Cost of computing the weights of all cells once, in equivalent likelihood evaluations. Each
-  /// residual of each cell counts as one multiplication, and each exponential as ten
-  /// multiplications.
+  /// Cost of computing the weights of all cells once, expressed as a number of likelihood
+  /// evaluations. Each residual of each cell counts as one multiplication, and each exponential as
+  /// ten multiplications.
   [[nodiscard]] double work() const {
     return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
            kOperationsACall;
