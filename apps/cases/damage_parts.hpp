@@ -20,7 +20,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 
-/// Parses the settings of a simulation in "truth" and "data", except the defects.
+/// Parses the simulation settings in "truth" and "data"; does not parse the defects.
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
 

@@ -27,7 +27,7 @@ struct ModalRun {
 [[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
                                       std::optional<signals::Record> given = {});
 
-/// Writes modes.json, summary.json and report.html into the output folder and prints the modes.
+/// Writes the files of ModalRun::keep into the output folder and prints the modes.
 void run_modal(const CommonOptions& common);
 
 }  // namespace wheeltap::apps

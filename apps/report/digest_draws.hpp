@@ -105,8 +105,8 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// time, spectra, frequency response functions for the excitations, autocorrelation of the
 /// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
-/// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data, evenly thinned. The result is empty if the run did not store the series.
+/// Returns extension, rate and tension of each link at the draw of highest posterior density, and
+/// its tension from data, thinned. The result is empty if the run did not store the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 ///   (seed `seed`) for the draws of `predictive`; draw_index has the numbers of these draws.
 /// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % quantiles of the
 ///   predictions without noise, over the same draws.
-/// - link_paths: extension, rate and tension of each link (sample) in the motion of the
-///   most probable model's best draw, and the tension from the data
+/// - link_paths: extension, rate and tension of each link (sample) of the most probable model at
+///   its draw with the highest posterior density, and the tension from the data
 ///   (identification/sid/findings/link_paths.hpp).
 /// - observed_data: one variable per response (sample) [SI], and time [s].
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.

@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 /// each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
-/// Prints the estimate of a "run" or "table" on standard output. This function is
+/// Prints the estimated cost of a "run" or "table" on standard output. This function is
 /// CommonOptions::dry_run for a single case.
 void print_estimate(const std::string& what, const RunCost& cost);
 

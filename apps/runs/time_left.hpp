@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 /// Extrapolates the time of the present stage from its elapsed time. For later stages, the estimate
-/// uses the time per likelihood evaluation, in this stage or in the whole run. It uses the shorter
-/// of the two, because this stage may have counted few evaluations so far.
+/// uses the shorter of two times per likelihood evaluation, in this stage and in the whole run,
+/// because this stage may have counted few evaluations so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound [s] of the time per likelihood evaluation in later stages; 0

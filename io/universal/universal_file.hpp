@@ -143,8 +143,8 @@ struct UniversalFile {
   std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number,
-                                     ///< with 2414 if its values are not at nodes
+  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number; 2414 is
+                                     ///< skipped if its values are not at nodes
 
   /// The file's unit of length in metres.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }

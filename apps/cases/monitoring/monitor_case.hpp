@@ -1,4 +1,4 @@
-// A monitor case: a table of features and covariates, and the period known to be healthy.
+// A monitor case: a table of features and covariates, and a period with a healthy structure.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ class InputFiles {
   /// files of other types are ignored; the function that reads the file later reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
-  /// An empty list that reuses the fingerprints of files already read.
+  /// An empty list that shares the cache of computed fingerprints with this list.
   [[nodiscard]] InputFiles emptied() const;
 
   /// The fingerprints as JSON, by name: {"record.csv": {"bytes": 1234, "checksum":

@@ -33,8 +33,8 @@ void print_plan(std::ostream& out, const Report& summary, bool colour);
 
 /// Sentence on the damage that the recommended design detects.
 [[nodiscard]] std::string plan_headline(const Report& plan);
-/// Sentences on the sensors, on a test of frequencies only, on indistinguishable places and changes
-/// of the design that distinguish them, and on further sensors.
+/// Sentences on the sensors, on a test of frequencies only, on indistinguishable locations and
+/// design changes that distinguish them, and on further sensors.
 [[nodiscard]] std::vector<std::string> plan_details(const Report& plan);
 /// Sentence on the check by the full engine; empty without a check.
 [[nodiscard]] std::string check_sentence(const Report& plan);
