@@ -116,13 +116,13 @@ law this page gives formula, sign, keys with units, a figure, and a complete cas
 - **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the sum of its laws. The tensions of links
   between the same two masses add up.
 - **Values.** A coefficient is a number (known) or the name of a parameter (unknown, with its prior under `parameters`),
-  in SI units. If a law needs only one coefficient, its value may replace the object. A list adds a law several times.
+  in SI units. If a law needs only one coefficient, a value may replace the object. A list adds a law several times.
 - **Sides.** A law that acts on one side has `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0, mirrored:
   T(e) = -T_open(-e)). These words describe the link, not the gap. Example: a mass on the ground, link `[0, 1]`, with a stop
   at positive displacements has `"opening"`; with a stop at negative displacements it has `"closing"`. The gap of a stop
   on the wrong side never closes. If you do not know the side, compare a model with a stop on each side.
-- **Rest position.** Springs, gaps and stops are measured from e = 0, where the links of the chain have no tension. The `offset` of
-  a channel shifts the zero of its sensor to this position; the offset may be a parameter.
+- **Rest position.** Springs, gaps and stops are measured from e = 0, where the links of the chain carry no force. The
+  `offset` of a channel shifts the zero of its sensor to this position; the offset may be a parameter.
 
 Example: a link with dry friction and a stop after a gap of unknown width:
 

@@ -124,7 +124,7 @@ std::string feature_charts(const SeriesTable& t, std::size_t j, const std::strin
                        line_of(plot, top.time, top.high, "line", low, high) + plot.hairs(marks);
   std::string out =
       "<h3>" + escaped(t.names[j]) + "</h3>\n<div class=\"pair\"><div>" +
-      plot.framed("measured values of " + t.names[j] + " with the 95 % band of the prediction",
+      plot.framed("measured values of " + t.names[j] + " with the 95 % prediction interval",
                   unit, t.names[j], inside) +
       "</div>\n<div>";
   const auto [least, most] = limits({&t.corrected[j]});
@@ -250,7 +250,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
          "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms.</p>\n";
   if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
-      "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
+      "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % prediction interval without "
       "a change. Figures on the right: the values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
   if (charts) out += chart_section(monitor, *charts, unit, marks);

@@ -154,8 +154,8 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   EXPECT_EQ(d["resolution_width"], 0.3);
   EXPECT_EQ(
       d["resolution_words"],
-      "posterior modes with a basin of attraction below 2.3 % of the prior may have been missed. "
-      "This limit increases as 1 / width for posterior modes narrower than 0.3 standard "
+      "posterior modes with a basin of attraction below 2.3 % of the prior probability may have been "
+      "missed. This limit increases as 1 / width for posterior modes narrower than 0.3 standard "
       "deviations of the prior; posterior modes narrower than 0.007 standard deviations may have "
       "been missed in any case");
 }

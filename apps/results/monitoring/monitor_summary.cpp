@@ -166,7 +166,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
   if (!(monitor.baseline().rhat_max < 1.1))
     warnings.push_back("The chains of the training period have not converged (R-hat " +
                        significant(monitor.baseline().rhat_max, 3) +
-                       "): the draws of knots and drift may miss a part of the posterior.");
+                       "): the draws of hinges and drift may miss a part of the posterior.");
   Report out = {{"wheeltap", about("monitor", info, parsed.file)}};
   out["title"] = parsed.title;
   out["answer"] = {monitor_headline(result)};
@@ -218,7 +218,7 @@ std::string shifts_in_words(const Report& alarm) {
 std::string false_alarms_in_words(const Report& monitor) {
   const bool rows = monitor.contains("rows_between_false_alarms");
   const Report& rates = monitor.at(rows ? "rows_between_false_alarms" : "false_alarms_per_year");
-  return (rows ? "Rows between two false alarms at the threshold of the model: "
+  return (rows ? "Mean number of rows between two false alarms at the threshold of the model: "
                : "False alarms per year at the threshold of the model: ") +
          significant(rates.at("stated").get<double>(), 3) + " stated, " +
          significant(rates.at("replayed").get<double>(), 3) + " in replayed healthy rows.";
