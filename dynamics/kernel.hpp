@@ -51,7 +51,7 @@ struct Task {
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
-  bool serial = false;  ///< link i joins masses i and i + 1, and the chain has no other links
+  bool serial = false;  ///< true if each link i joins masses i and i + 1 and no other links exist
   int only_law = -1;    ///< the kind of all force laws, if all force laws have the same kind
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
@@ -63,8 +63,8 @@ struct Task {
   double pace = 0.0;     ///< limit of the product of a speed-dependent rate and a time step
   int most_steps = 1;    ///< largest number of time steps per lane and sample
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;      ///< number of halvings of the time step in the exponential of the exact
-                         ///< solution
+  int halvings = 0;      ///< number of halvings of the time step for the matrix exponential of the
+                         ///< exact solution
   double bound = 0.0;    ///< SimulatorOptions::displacement_bound
   int initial_slot = 0;  ///< slot of the initial displacements, then velocities; the slots 0, 1, …
                          ///< hold the masses

@@ -40,9 +40,9 @@ struct LawRole {
   enum class Kind {
     other,      ///< order of magnitude unknown
     factor,     ///< factor c in a tension c eᵖ ėᵍ
-    extension,  ///< an extension of the link
+    extension,  ///< the coefficient is an extension of the link
   } kind = Kind::other;
-  int p = 0, q = 0;  ///< powers p and q, for a factor
+  int p = 0, q = 0;  ///< powers p and q of Kind::factor
 };
 
 constexpr LawRole factor_of(int p, int q = 0) {
@@ -84,7 +84,7 @@ struct LawInfo {
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", T = -T_open(-e,
                            ///< -ė) for side = "closing"
-  bool memory = false;     ///< the law has an internal state
+  bool memory = false;     ///< true: the law has an internal state
   bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
 
   [[nodiscard]] constexpr int size() const {

@@ -33,8 +33,8 @@ struct Force {
 /// not given, the acceleration is the second derivative of the natural cubic spline through the
 /// displacement. This acceleration is linear between samples, like every excitation. The
 /// displacement is the exact double integral of this acceleration. The displacement [m] and the
-/// velocity of the spline also serve to convert relative to absolute motion. The offset of a
-/// displacement affects only absolute displacements.
+/// velocity of the spline also serve to convert relative to absolute motion. The offset of the
+/// displacement signal affects only predicted absolute displacements.
 struct BaseMotion {
   Signal acceleration = {};
   Signal displacement = {};
@@ -69,15 +69,15 @@ enum class Integrator {
   /// comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
-  /// For chains with at most four nonlinear force laws, all bilinear or contact: the exact solution
-  /// for samples without a switch, and series for samples with a switch.
+  /// For chains with at most four nonlinear force laws, all bilinear or contact. It uses the exact
+  /// solution for samples without a switch, and series for samples with a switch.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
   /// switching times. Supports bilinear, contact, quadratic and cubic laws and exact friction.
   series
 };
 
-/// The vector instructions to use; results are bitwise equal for all vector instructions.
+/// The SIMD instructions to use; the results are bitwise equal for all SIMD instructions.
 using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
@@ -86,15 +86,15 @@ inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
-  /// If true, Integrator::automatic selects `series` instead of `runge_kutta`. The error per period
-  /// is 1e-9 instead of 1e-5, and the run time is two to three times as long.
+  /// If true, Integrator::automatic selects `series` instead of `runge_kutta`. The relative error
+  /// per period is 1e-9 instead of 1e-5, and the run time is two to three times as long.
   bool prefer_series = false;
   /// Number of Runge-Kutta steps between two samples of the excitation. If the number is 0, the
   /// simulator selects the number for every parameter vector. The selected number is the smallest
   /// of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ h <= min(1, 5 step_limit), where
   /// ω and γ are the upper bounds that stiffest_rates returns. For force laws whose rate grows with
   /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
-  /// the rate and a step is at most 1 and at most 5 step_limit. The number of these steps per
+  /// the rate and a time step is at most 1 and at most 5 step_limit. The number of these steps per
   /// sample is at most kMaxPacedSubsteps. The simulation of a parameter vector that needs more
   /// steps fails. For `series` and `piecewise`, this option is the number of series expansions per
   /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
@@ -104,9 +104,9 @@ struct SimulatorOptions {
   /// 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
   /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
-  /// steps as before the refinement, when the step limit was `refinement` times as large.
+  /// steps as the original simulator, whose step limit was `refinement` times as large.
   int refinement = 1;
-  /// For each link, the extension [m] up to which stiffest_rates considers nonlinear force laws. If
+  /// The extension [m] of each link up to which stiffest_rates considers nonlinear force laws. If
   /// the list is empty, this extension is 0.
   std::vector<double> extension = {};
   /// Every `stride`-th sample of the excitation is also a sample of the response. Set this option

@@ -34,7 +34,7 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// the limit of γ h is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Step parameters that are equal for all parameter vectors of a group.
+/// Parameters of the time steps that are equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
@@ -101,10 +101,10 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Integrates the parameter vectors in groups of equal key. Calls receive(lane, task) for each
-  /// parameter vector after the integration of its group. If `sums` is false, task.trajectory holds
-  /// the trajectory. `weights` (per vector and sensor) and `limits` (per vector) have the meaning
-  /// of kernel::Task::weights, or are empty.
+  /// Integrates the parameter vectors in groups; the vectors of a group have equal keys. Calls
+  /// receive(lane, task) for each parameter vector after the integration of its group. If `sums` is
+  /// false, task.trajectory holds the trajectory. `weights` (per vector and sensor) and `limits`
+  /// (per vector) have the meaning of kernel::Task::weights, or are empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,

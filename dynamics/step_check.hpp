@@ -10,7 +10,7 @@ namespace wheeltap::dynamics {
 /// Criterion of step halving. The change of a response when the time steps are halved is the
 /// largest value over all sensors of
 ///
-///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
+///   ‖r - r'‖ / ‖r'‖,   where r' is the response with time steps half as long.
 struct StepCheck {
   double wanted = 1e-6;     ///< steps are halved until the change is at most `wanted`
   int most_halvings = 8;    ///< largest number of halvings

@@ -41,7 +41,7 @@ struct RefinedGrid {
 /// fraction 1/d is halved and the refinement continues. The model is run only once per point. The
 /// refinement ends with `reached` = false if the grid would exceed `most_runs` or no candidates
 /// remain. Throws the exceptions of `run_experiment` and of the training of the interpolant, and
-/// std::invalid_argument for options whose sizes do not fit, a tolerance or count that is not
+/// std::invalid_argument for options whose sizes do not agree, a tolerance or count that is not
 /// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,

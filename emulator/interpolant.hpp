@@ -16,7 +16,7 @@ namespace wheeltap::emulator {
 /// Leave-one-out predictions: each run is predicted from all other runs.
 struct LeaveOneOut {
   RowMatrix mean;      ///< runs × responses
-  RowMatrix variance;  ///< variance of the omitted run, including its noise
+  RowMatrix variance;  ///< variance of the prediction, including the noise of the run
 };
 
 /// A function of the factors of a table, R^d → R^responses, that approximates the runs of the

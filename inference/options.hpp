@@ -49,7 +49,7 @@ struct Options {
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
   /// chooses the number, for a fixed share of the run's likelihood evaluations. If the basin of a
-  /// posterior mode holds a share p of the prior, all n local optimisations miss the mode with
+  /// posterior mode has the prior probability p, all n local optimisations miss the mode with
   /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 

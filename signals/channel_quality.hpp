@@ -70,7 +70,7 @@ struct FoundFault {
 };
 
 /// Lists the faults of a channel in the order of ChannelFault. For a constant channel, the list
-/// contains no other fault except missing samples; for a counter, no other fault. If `is_record` is
+/// contains only this fault and missing samples; for a counter, only this fault. If `is_record` is
 /// false, the channel is not a vibration record, and this function checks only for missing samples.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 

@@ -71,17 +71,17 @@ void detrend(std::span<double> x, int degree);
 /// Interpolates samples [begin, end) of a record to `factor` times the sampling rate. The result
 /// has (end - begin - 1) · factor + 1 values and contains the original samples unchanged. The
 /// interpolation filter is a sinc function of 32 samples to either side with a Kaiser window (β =
-/// 12). Signal components below 0.43 of the sampling rate keep their amplitude within 1e-5. The
-/// filter uses samples outside [begin, end) if the record contains them. Beyond its ends, the
-/// record is continued by odd reflection, so the first and last 32 samples are less accurate.
-/// Throws std::invalid_argument for a factor < 1 or an invalid window.
+/// 12). Signal components below 0.43 of the sampling rate keep their amplitude to a relative error
+/// of 1e-5. The filter uses samples outside [begin, end) if the record contains them. Beyond its
+/// ends, the record is continued by odd reflection, so the first and last 32 samples are less
+/// accurate. Throws std::invalid_argument for a factor < 1 or an invalid window.
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 
 /// Returns every `factor`-th sample of x, from the first sample on, after a zero-phase low-pass
-/// filter. Components below 0.4 of the new rate keep their amplitude within 1e-4. Components above
-/// 0.5 of the new rate would alias; the filter reduces their amplitude to 1e-4. The record is
-/// continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
+/// filter. Below 0.4 of the new rate, the relative change of amplitudes is at most 1e-4. Components
+/// above 0.5 of the new rate would alias; the filter multiplies their amplitude by 1e-4. The record
+/// is continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
 /// A point of a plotted spectrum.

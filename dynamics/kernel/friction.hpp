@@ -26,14 +26,14 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// links, G is singular and the tensions are not unique. The links with the lowest numbers then
 /// carry the force.
 ///
-/// Links between the same two masses stick and slip together. The result of a lane does not depend
-/// on the other lanes.
+/// Links between the same two masses stick and slip together. The result of a SIMD lane does not
+/// depend on the other lanes.
 template <int N>
 class Friction {
  public:
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
 
-  /// Accelerations are multiplied by `unit`, the square of the unit of time [s²].
+  /// All accelerations are multiplied by `unit`, the square of the unit of time [s²].
   Friction(const Task& task, double unit) : size_(task.frictions) {
     if (size_ == 0) return;
     const V* c = vectors(task.coefficients);
@@ -110,7 +110,7 @@ class Friction {
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
   /// Determines the state of the links at rest from the accelerations `free` without friction. Also
-  /// removes the residual rates of sticking links from the velocities.
+  /// removes the residual rates of extension of sticking links from the velocities.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();

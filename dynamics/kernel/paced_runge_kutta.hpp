@@ -15,8 +15,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
-/// The steps of a lane depend only on the state of this lane. If a link with exact friction comes
-/// to rest or breaks away within a step, the step ends at this time.
+/// The time steps of a SIMD lane depend only on the state of this lane. If a link with exact
+/// friction comes to rest or breaks away within a step, the step ends at this time.
 ///
 ///   0   |
 ///   1/2 | 1/2

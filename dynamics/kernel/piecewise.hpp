@@ -92,8 +92,8 @@ class Piecewise : private Exact<N> {
   }
   WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
 
-  /// Returns the table of the current regime of `series_`. If lanes are in different regimes, the
-  /// result combines the tables of these regimes lane by lane.
+  /// Returns the table of the exact solution in the current regime of `series_`. If lanes are in
+  /// different regimes, the result combines the tables of these regimes lane by lane.
   [[gnu::noinline]] const Table* choose() {
     unsigned regime[WHEELTAP_LANES];
     bool same = true;

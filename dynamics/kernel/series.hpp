@@ -201,7 +201,7 @@ class Series {
   static constexpr int kMaxPower = 3;
   /// Tolerances of switching times [sample intervals], for springs and for friction. The tension of
   /// a spring is continuous at its threshold, so the error of the response is quadratic in the
-  /// error of the switching time. The friction tension is discontinuous.
+  /// error of the switching time. Friction tension is discontinuous, so its tolerance is smaller.
   static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;

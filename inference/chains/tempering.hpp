@@ -113,8 +113,8 @@ class TemperedChain {
 /// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A draw from the prior with a positive likelihood. Throws LikelihoodError after 100 000 draws
-/// without a positive likelihood.
+/// A draw from the prior with a positive likelihood. Throws LikelihoodError if none of 100 000
+/// draws has a positive likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
-  double ess_within = 20.0;  ///< lower limit for each parameter of a judged model
+  double ess_within = 20.0;  ///< smallest lower limit of a parameter's effective sample size
   /// Lower limit of the tail effective sample size of parameters, relative to the limit of their
   /// bulk effective sample size.
   double ess_tail_share = 0.5;
@@ -34,7 +34,7 @@ struct ConvergenceLimits {
   double probable_model = 0.05;
   /// Model probability above which the convergence of its parameters is judged
   double judged_model = 0.01;
-  double searched_model = 0.001;  ///< probability above which a model needs a full search
+  double searched_model = 0.001;  ///< model probability above which a full search is required
   /// The chains must agree on the share of a posterior mode if this share and the rest both exceed
   /// this limit
   double judged_mode = 0.01;

@@ -40,7 +40,7 @@ struct Mixing {
 };
 
 /// Computes R-hat and the effective sample sizes of a run. A count or an indicator whose
-/// probabilities are known to 0.001 is not judged, even if its transitions are rare.
+/// probabilities are known to within 0.001 is not judged, even if its transitions are rare.
 [[nodiscard]] Mixing mixing(const Posterior& posterior, const ModelShares& shares,
                             const std::vector<Watched>& watched);
 

@@ -36,7 +36,7 @@ struct FoundMode {
   long climbs = 0;             ///< number of local optimisations that ended at this mode
   /// Share of the model's probability mass near this mode, by importance sampling
   double share = 0.0;
-  /// For each chain, the share of its draws of the model that are near the mode; NaN: no draws
+  /// Share of each chain's draws of the model that are near the mode; NaN: no draws
   std::vector<double> drawn;
 };
 
@@ -136,9 +136,9 @@ struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
   std::vector<ModelFindings> found;  ///< one per model
-  /// ln of the weight of a draw of each model; empty if all weights are equal. With
-  /// `Options::balance`, the chains visit models more evenly than in proportion to their
-  /// probabilities, and the weights correct for this.
+  /// Log weight of a draw, for each model; empty if all weights are equal. With `Options::balance`,
+  /// the chains visit models more evenly than in proportion to their probabilities, and the weights
+  /// correct for this.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction

@@ -51,7 +51,7 @@ struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
 };
-/// Many draws of a model lie outside its fitted mixture, but come from few effective visits. Only
+/// Many draws of a model lie outside its fitted mixture, but come from few independent visits. Only
 /// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
@@ -70,7 +70,7 @@ struct AnnealingDrawsBeyond {
 struct EvidenceUnreliable {
   int model = 0;
   double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
-  Estimate by_evidence{};            ///< probability by evidence
+  Estimate by_evidence{};            ///< model probability by evidence
   double factor = 1.0;               ///< factor by which the evidence may be too small
 };
 /// A search found more separate posterior modes than it can keep.

@@ -24,7 +24,7 @@ inline constexpr int kFewModels = 40;
 inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-inline constexpr int kCostlyDraws = 2500;  ///< default draws if an evaluation is costly
+inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an evaluation is costly
 /// True if the likelihood is expensive: the data are a long record or the problem is costly, and
 /// the engine chooses the number of draws. Tuning steps and thinning, which reduce the
 /// autocorrelation of the draws, are then halved. The reason is that each MCMC step takes about a

@@ -30,9 +30,9 @@ struct ProblemSize {
   double seconds_a_likelihood = 0.0;
 };
 
-/// Estimates the cost of a run that converges in its first round of draws. Draws of more than
-/// `most_in_memory` bytes are stored on the disk (DrawMemory). Set `most_in_memory` to infinity if
-/// there is no folder for draws.
+/// Estimates the cost of a run that converges in its first round of draws. If the draws take more
+/// than `most_in_memory` bytes, they are stored on disk (DrawMemory). Set `most_in_memory` to
+/// infinity if there is no folder for draws.
 [[nodiscard]] RunCost cost_of_sampling(const ProblemSize& size, const Options& options,
                                        double most_in_memory);
 

@@ -1,4 +1,4 @@
-// Second stage of a run: adaptive sampling at the posterior with all moves. Each round ends with a
+// Second stage of a run: adaptive sampling of the posterior with all moves. Each round ends with a
 // fit of the proposal distributions to the samples of the round.
 #pragma once
 

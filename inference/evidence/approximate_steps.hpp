@@ -27,7 +27,7 @@ struct SweepProposal {
 };
 
 /// Makes Metropolis steps from z that leave φ(z) exp(β s(z)) invariant, where φ is the standard
-/// normal density and s the approximation. Changes z and `at` = s(z). Returns the number of
+/// normal density and s the approximation. Updates z and `at` = s(z). Returns the number of
 /// accepted steps.
 int step_by_approximation(const LogApproximation& approximation, double beta,
                           const SweepProposal& propose, int steps, base::Random& random,

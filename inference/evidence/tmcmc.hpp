@@ -72,9 +72,9 @@ struct Tmcmc {
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
-/// - Bisection on the coefficient of variation of the weights sets β. The target of the coefficient
-///   is 0.5. With the target 1 of Ching & Chen, ln Z was two nats too low for a chain of masses
-///   with a stop, whose tempered posteriors change direction from stage to stage.
+/// - Bisection finds the β for which the coefficient of variation of the weights is 0.5. With the
+///   value 1 of Ching & Chen, ln Z was two nats too low for a chain of masses with a stop, whose
+///   tempered posteriors change direction from stage to stage.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
 ///   share of prior draws with a positive likelihood. If draws with a positive likelihood are rare,

@@ -74,8 +74,8 @@ struct ModelExploration {
   Evidence annealed = kNoEvidence;
   /// Evidence by importance sampling; NaN if nothing was found
   Evidence sampled = kNoEvidence;
-  double effective_draws = 0.0;  ///< effective size of the importance sample
-  double efficiency = 0.0;       ///< effective_draws divided by the draws
+  double effective_draws = 0.0;  ///< effective sample size of the importance sampling
+  double efficiency = 0.0;       ///< effective_draws divided by the number of draws
   ExplorationCalls calls{};
 
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }

@@ -36,8 +36,8 @@ class ModelLattice {
 /// - all models up to two steps from the smallest model, because some terms matter only in pairs;
 /// - the models one step above or below each model whose probability is at least e^-12 (6e-6) of
 ///   the largest probability (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
-/// - finally the largest model, whose maximum likelihood is at least the maximum likelihood of all
-///   other models;
+/// - finally the largest model, whose maximum likelihood is at least as large as that of every
+///   other model;
 /// - the models one step within each explored model whose largest ln π exceeds that of the most
 ///   probable model by more than 10 nats.
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,

@@ -60,8 +60,8 @@ struct ComponentRange {
   }
 };
 
-/// A finite list of models over a table of named parameters, each with counts of exchangeable
-/// components.
+/// A finite list of models that share a table of named parameters; each model has counts of
+/// exchangeable components.
 class ModelSpace {
  public:
   struct ListedModel {
@@ -128,7 +128,7 @@ class ModelSpace {
   std::vector<Model> models_;
   std::vector<Parameter> parameters_;
   std::vector<ComponentKind> kinds_;
-  std::vector<std::vector<Prior>> priors_;  ///< copies, so that a space can be copied
+  std::vector<std::vector<Prior>> priors_;  ///< copies of the priors, so that a space can be copied
   std::vector<int> neighbours_;
   int max_dimension_ = 0;
 };

@@ -158,8 +158,8 @@ struct Problem {
   /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
-  /// samples of the record. The engine then searches modes on records of increasing length. Each
-  /// search starts from the posterior mode for the shorter record. The posterior for the whole
+  /// samples of the record. The engine then searches for modes on records of increasing length.
+  /// Each search starts from the posterior mode for the shorter record. The posterior for the whole
   /// record can have too many modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
@@ -183,8 +183,8 @@ struct State {
   std::vector<double> prediction;
   std::vector<double> residuals;
   double noise_scale = 1.0;
-  bool screened = false;   ///< x, log_screen and residuals belong to z
-  bool evaluated = false;  ///< log_likelihood and prediction also belong to z
+  bool screened = false;   ///< true: x, log_screen and residuals belong to z
+  bool evaluated = false;  ///< true: log_likelihood and prediction also belong to z
 };
 
 /// Thrown if a model's likelihood is zero at every draw of its prior, or too often NaN or +∞. The

@@ -50,7 +50,7 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. They take some microseconds,
+/// Number of multiplications that count as one likelihood evaluation. These take some microseconds,
 /// as a cheap likelihood does. Work is counted instead of measured in seconds, so that draws are
 /// the same on every machine.
 inline constexpr double kOperationsACall = 1e4;

@@ -45,13 +45,13 @@ struct MoveCheck {
   bool passed = true;
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
-  double beta = 0.0;  ///< the largest power of the likelihood that the draws could represent
+  double beta = 0.0;  ///< the largest exponent β of the likelihood used in the tests
   std::string words;  ///< the result in one sentence
 };
 
 /// Checks that a move satisfies detailed balance. With states x from the prior, weights w(x) =
-/// exp(factor + β log likelihood), y proposed from x, and α(x, y) the probability of accepting it
-/// (MetropolisHastings),
+/// exp(ln prior factor + β ln likelihood), y proposed from x, and α(x, y) the probability of
+/// accepting it (MetropolisHastings),
 ///
 ///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///

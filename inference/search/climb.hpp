@@ -18,7 +18,7 @@ class Surface {
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
 
   double operator()(const Eigen::VectorXd& z);
-  /// ln π of each column; several columns together are faster. Values below `level` may be -∞.
+  /// ln π of each column; one call for several columns is faster. Values below `level` may be -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
   /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
@@ -92,7 +92,7 @@ struct ClimbEnd {
 /// If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance from a mode in units of its standard deviations.
+/// Squared distance of z from a mode, in standard deviations of the mode.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

@@ -24,8 +24,8 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// optimisations in progress are finished. Replacements of components may use a further 10 %, or
-  /// as many evaluations as the optimisations before.
+  /// optimisations in progress are finished. Replacements of components may use a further 10 % of
+  /// the budget, or as many evaluations as the optimisations before.
   long budget = 100000;
   /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of optimisations
   /// from prior draws, followed modes, and draws per mode.
@@ -48,8 +48,8 @@ struct ModeSearch {
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
-  /// Number of further modes, which exceeded the limit and were left out, and their share of the
-  /// probability mass by Laplace's method.
+  /// Number of further modes, left out because a search keeps a limited number of modes, and their
+  /// share of the probability mass by Laplace's method.
   long left_out = 0;
   double left_out_share = 0.0;
   long likelihood_evaluations = 0;
@@ -58,7 +58,7 @@ struct ModeSearch {
 inline constexpr long kFewestClimbs = 30;
 inline constexpr long kMostClimbs = 10000;
 
-/// Searches modes by local optimisations from draws of the prior, in standard normal coordinates:
+/// Finds modes by local optimisations from draws of the prior, in standard normal coordinates:
 ///
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
@@ -87,10 +87,10 @@ inline constexpr long kMostClimbs = 10000;
 /// With two components or more, optimisations also start from the highest modes with one
 /// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
 ///
-/// If the basin of a mode holds a share p of the prior, all n optimisations miss it with
-/// probability (1-p)^n. The basin contains all points from which an optimisation with finite steps
-/// reaches the mode. From the basin of steepest ascent, it reaches a mode of width w with
-/// probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
+/// If the basin of a mode has the prior probability p, all n optimisations miss it with probability
+/// (1-p)^n. The basin contains all points from which an optimisation with finite steps reaches the
+/// mode. From the basin of steepest ascent, it reaches a mode of width w with probability ≈ min(1,
+/// w / spacing), since it evaluates ln π only at points `spacing` apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 

@@ -63,7 +63,7 @@ struct HierarchicalPosterior {
   /// Prediction of the estimate that a further group with the error λ would give: N(μ, τ² + λ²).
   LineMixture estimate;
   std::vector<double> scatter, weight;  ///< quadrature nodes τ and their probabilities
-  double own_error = 0.0;               ///< error λ of a group
+  double own_error = 0.0;               ///< standard error λ of a group
   int groups = 0;                       ///< number of groups with information
 };
 

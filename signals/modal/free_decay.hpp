@@ -26,7 +26,7 @@ namespace wheeltap::signals {
 /// Identifies modes from free decays. `decays` holds one matrix per decay, with one channel per
 /// row. Each decay must begin after the end of the last force. All decays are cut to the length of
 /// the shortest decay. ModalOptions::blocks is the number of surrogate noise records (0: 200).
-/// ModalOptions::lags is the number of samples used (0: the largest possible number).
+/// ModalOptions::lags is the number of samples used of each decay (0: the largest possible number).
 /// ModalOptions::references is not used. Throws std::invalid_argument for an invalid band, decays
 /// with different numbers of channels, channels that are constant or not finite, and decays too
 /// short for any order.

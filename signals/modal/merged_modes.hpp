@@ -22,7 +22,7 @@ namespace wheeltap::signals {
 /// The modes of one set-up, with the sensor of each channel.
 struct SetUpModes {
   std::vector<Mode> modes = {};
-  Eigen::MatrixXd covariance = {};  ///< all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies, then all damping ratios
   std::vector<int> sensors = {};    ///< sensor of each channel
 };
 
@@ -55,7 +55,7 @@ struct MergedMode {
 
 struct MergedModes {
   std::vector<MergedMode> modes = {};  ///< merged modes by ascending frequency
-  Eigen::MatrixXd covariance = {};     ///< all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};     ///< covariance of all frequencies, then damping ratios
   std::vector<int> references = {};    ///< sensors that occur in every set-up
 };
 

@@ -94,7 +94,7 @@ struct ModalResult {
   double block_seconds = 0.0;
   int set_ups = 1;     ///< number of set-ups merged before identification
   long lines = 0;      ///< number of spectral lines of the frequency response functions
-  int replicates = 0;  ///< bootstrap replicates, or surrogates of the noise
+  int replicates = 0;  ///< number of bootstrap replicates, or of surrogate noise records
   std::vector<int> references = {};
   Eigen::MatrixXd singular_spectrum = {};  ///< for peaks of spectra, one row per line: frequency
                                            ///< [Hz], first singular value

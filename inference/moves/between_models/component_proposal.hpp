@@ -17,8 +17,8 @@ class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
 
-  /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without
-  /// component `skip` of `kind`. `beta` tempers the influence of the residual.
+  /// Prepares the proposal for a component added to the state `context`; if `skip` >= 0, to
+  /// `context` without component `skip` of `kind`. `beta` tempers the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws the coordinates z of a component from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
