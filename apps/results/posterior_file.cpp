@@ -45,7 +45,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
     });
     file.text(
         group, weight, "description",
-        "weight of a draw in averages over models, because models were sampled evenly; mean 1");
+        "weight of a draw in averages over models, which were sampled evenly; mean weight 1");
   }
   put(
       0, "accepted", [](const Chain& c, std::size_t i) { return static_cast<int>(c.accepted[i]); },
