@@ -314,7 +314,7 @@
     section('parameters', 'Parameters', 'Posterior and prior. A posterior that repeats its prior is not a result.', ...baselineTable(), ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
-    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of quantities that all models share, and of parameters within a model' }) : null;
+    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of the quantities that all models share, and of the parameters within each model' }) : null;
     section('sampling', 'Sampling', 'Converged chains look alike, have no trend and change often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
 
     section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);

@@ -247,7 +247,7 @@ std::vector<std::string> update_warnings(const UpdateFindings& findings) {
   for (const ModeFinding& m : findings.modes)
     if (std::string one = matched_in_words(m); !one.empty()) elsewhere.push_back(std::move(one));
   if (!elsewhere.empty())
-    out.push_back("By shape and frequency, " + in_words(elsewhere) +
+    out.push_back("Matched by shape and frequency, " + in_words(elsewhere) +
                   ": data and model have their modes in different orders.");
   for (const PredictedMode& p : findings.predictions)
     if (p.useless())
