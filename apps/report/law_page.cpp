@@ -110,8 +110,8 @@ prints the complete case of one law.
 ```
 
 - **Extension.** The extension of a link `"between": [a, b]` is e = y_b - y_a, where y_a and y_b are the displacements
-  of the masses. ė is the rate of e. The link opens for e > 0 and closes for e < 0. Mass 0 is the ground or the moving
-  base. For the link `[0, 1]` on the ground, e is the displacement of mass 1.
+  of the masses. ė is the rate of e. Wheeltap calls e > 0 *opening* and e < 0 *closing*. Mass 0 is the ground or the
+  moving base. For the link `[0, 1]` on the ground, e is the displacement of mass 1.
 - **Tension.** A tension T > 0 pulls the masses together: the force on mass a is +T, and the force on mass b is -T. A
   linear spring has T = k e, a linear damper has T = c ė, and dry friction has T = F sgn(ė). A spring with k > 0 acts
   towards e = 0. A damper and friction with positive coefficients oppose the relative motion. One mass on the ground
@@ -143,8 +143,8 @@ The priors under `parameters` are then those of k and c, and `"F": {"uniform": [
 export PATH="$PWD/build/release/apps:$PATH"
 ```
 
-The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each example compares a chain of
-masses without the law and one with the law. The data are a record that is simulated with the law.
+The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each example compares a chain
+of masses without the law and one with the law. The data are a record that is simulated with the law.
 
 )";
 

@@ -14,8 +14,8 @@ struct Cubic {
       .formula = "T = k3 e^3",
       .description = "a Duffing spring: k3 > 0 hardens, k3 < 0 softens",
       .notes =
-          "If the link also has a negative `stiffness` k, its potential has two wells, at "
-          "e = ±sqrt(-k/k3).",
+          "If k3 > 0 and the `stiffness` k of the link is negative, the potential of the link has "
+          "two wells, at e = ±sqrt(-k/k3).",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^3",
                          .role = factor_of(3),

@@ -13,7 +13,7 @@ struct Quintic {
   static constexpr LawInfo kInfo{
       .name = "quintic",
       .formula = "T = k5 e^5",
-      .description = "a spring that hardens (k5 > 0) or softens more strongly than a cubic spring",
+      .description = "a spring that hardens (k5 > 0) or softens (k5 < 0) more than a cubic spring",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^5",
                          .role = factor_of(5),
