@@ -61,15 +61,15 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `exact` or `piecewise` if applicable. Selects `series` if a force law switches, a link
-  /// sticks and slips, or prefer_series is set. Otherwise, or if the number of substeps is fixed,
-  /// selects `runge_kutta`.
+  /// Selects `exact` or `piecewise` if the chain allows it. Selects `series` if a force law
+  /// switches, a link sticks and slips, or prefer_series is set. Otherwise, or if the number of
+  /// substeps is fixed, selects `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
-  /// For chains with at most four nonlinear force laws, all bilinear or contact. It uses the exact
+  /// For chains with at most four nonlinear force laws, all bilinear or contact. Uses the exact
   /// solution for samples without a switch, and series for samples with a switch.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
@@ -99,9 +99,9 @@ struct SimulatorOptions {
   /// steps fails. For `series` and `piecewise`, this option is the number of series expansions per
   /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
-  /// Limit of ω h for a time step h. A time step of this length multiplies a frequency ω by the
-  /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are
-  /// 1.3e-5 and 2.2e-6.
+  /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
+  /// time step of this length multiplies a frequency ω by the factor 1 - (ω h)⁴/120 and adds the
+  /// damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
   /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
   /// steps as the original simulator, whose step limit was `refinement` times as large.
@@ -112,7 +112,7 @@ struct SimulatorOptions {
   /// Every `stride`-th sample of the excitation is also a sample of the response. Set this option
   /// for an excitation that was upsampled by the factor `stride`.
   int stride = 1;
-  /// Limit of the displacement relative to the base [m]. A trajectory that exceeds it has diverged.
+  /// Limit of displacements relative to the base [m]. A trajectory beyond this limit has diverged.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
@@ -128,7 +128,7 @@ enum class Outcome {
 };
 
 struct Response {
-  Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
+  Eigen::MatrixXd values;  ///< predicted signals, samples × sensors; empty if failed
   Outcome outcome = Outcome::complete;
   bool failed = false;  ///< true for any outcome other than complete
   int substeps = 0;     ///< number of steps per sample; 0 for the exact solution

@@ -18,8 +18,8 @@ struct StepCheck {
 };
 
 struct CheckedResponse {
-  /// The outcome is `diverged` only if the response also diverges with steps a quarter as long;
-  /// otherwise it is `steps_too_long`.
+  /// The outcome is `diverged` only if the response also diverges with time steps a quarter as
+  /// long; otherwise it is `steps_too_long`.
   Response response;
   double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
                         ///< has no truncation error

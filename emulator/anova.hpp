@@ -23,9 +23,9 @@ enum class Additive {
 /// Returns the additive quantity with this name. Throws std::invalid_argument for an unknown name.
 [[nodiscard]] Additive additive_named(std::string_view text);
 
-/// A cut high-dimensional model representation (cut-HDMR) with the structure without components as
-/// reference (Rabitz & Alış 1999, General foundations of high-dimensional model representations,
-/// section 3), to second order. For components c_1 … c_k with m factors each and g the additive
+/// A second-order cut high-dimensional model representation (cut-HDMR; Rabitz & Alış 1999, General
+/// foundations of high-dimensional model representations, section 3). The reference is the
+/// structure without components. For components c_1 … c_k with m factors each and g the additive
 /// quantity of a response,
 ///   g(c_1…c_k) ≈ g_0 + Σ_i g_i + Σ_{i<j} g_ij,
 ///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,

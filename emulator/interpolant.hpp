@@ -58,8 +58,8 @@ struct TrainingOptions {
 /// Description of an interpolant type, defined in the same file as the class of the interpolant.
 struct InterpolantType {
   enum class Runs { grid, scattered };
-  /// Trains an interpolant on a complete table. Fitted values are added to the parameters of the
-  /// table; existing parameters are reused. Throws std::invalid_argument for an unsuitable table.
+  /// Trains an interpolant on a complete table. Fitted parameters are added to Table::parameters;
+  /// existing ones are reused. Throws std::invalid_argument for an unsuitable table.
   using Train = std::unique_ptr<const Interpolant> (*)(Table& table,
                                                        const TrainingOptions& options);
 

@@ -15,8 +15,8 @@ struct Checkpoint;  // checkpoint.hpp
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
   /// Warm-up iterations per chain. With 0, the engine chooses the number and also searches for
   /// starting points.
   int warmup = 0;
@@ -87,7 +87,7 @@ struct Options {
   /// Options for saving a run and resuming it with identical results.
   struct Checkpoints {
     /// Callback that saves the state, called from one thread between two iterations of all chains.
-    /// The engine calls it at the given time interval and once when the run is stopped early.
+    /// The engine calls `save` at the given time interval and once when the run is stopped early.
     /// Saving takes at most 3 % of the run time.
     std::function<void(const Checkpoint&)> save = nullptr;
     double every_seconds = 0.0;  ///< time between two calls of `save` [s]; 0: at every safe point

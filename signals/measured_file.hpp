@@ -63,8 +63,8 @@ struct MeasuredFile {
 
 /// Options for reading a file. If an option is empty, its value is detected.
 struct MeasuredReading {
-  std::optional<double> sample_rate_hz = {};  ///< sampling rate of a file that does not state its
-                                              ///< rate [Hz]
+  std::optional<double> sample_rate_hz = {};  ///< sampling rate [Hz] of a file that does not state
+                                              ///< its rate
   io::TextLayout layout = {};                 ///< layout of delimited text and Excel workbooks
   io::ArrayLayout arrays = {};                ///< layout of the arrays of MATLAB, NumPy, NetCDF and
                                               ///< HDF5 files

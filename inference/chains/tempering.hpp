@@ -43,10 +43,10 @@ struct Ladder {
 /// deterministic scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
 ///
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
-/// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it
-/// is probable at β = 1. The weights are adapted by stochastic approximation during warm-up and
-/// fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305). w(m) decreases by γ_t = t₀ / max(t₀,
-/// t) when the replica is in model m.
+/// chain would find a model whose tempered evidence is low at intermediate temperatures, even if
+/// this model is probable at β = 1. The weights are adapted by stochastic approximation during
+/// warm-up and fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305). w(m) decreases by γ_t =
+/// t₀ / max(t₀, t) when the replica is in model m.
 class TemperedChain {
  public:
   /// Creates the kernels of one rung.

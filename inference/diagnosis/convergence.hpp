@@ -41,7 +41,7 @@ struct ConvergenceLimits {
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
   /// density to mixture density is above `beyond_mixture`. The rule for draws outside the mixture
   /// applies if their share is above `beyond_share`. `beyond_visits` is the required number of
-  /// effective visits outside the mixture; it gives the share a relative error of 0.1.
+  /// effective visits outside the mixture; this gives the share a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
   /// `annealed_share` limits the excess of SMC draws outside the mixture: the share of the SMC
   /// draws minus the share of the chains' draws, times the probability of the model.
@@ -58,8 +58,8 @@ inline constexpr ConvergenceLimits kLimits{};
 /// is at most 0.004 (0.001 if `balanced`: the draws then visit all models about equally often).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// The share of SMC draws outside the model's mixture minus the share of the chains' draws outside
-/// it. The result is 0 if this difference is negative or unknown. The result is also 0 if the
+/// The share of SMC draws outside the model's mixture minus the chains' share of draws outside the
+/// mixture. The result is 0 if this difference is negative or unknown. The result is also 0 if the
 /// chains visited the region outside the mixture often enough to estimate the share better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 

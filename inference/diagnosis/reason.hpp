@@ -92,8 +92,8 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// Name of the parameter. For components of a kind it is "sum of …", because the numbers of the
-  /// components are arbitrary labels.
+  /// Name of the parameter. For components of a kind, the name is "sum of …", because the numbers
+  /// of the components are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };

@@ -23,16 +23,16 @@ struct Verdict {
                                         ///< descending model probability
   /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
   /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
-  /// above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest over the
-  /// models, and 1 without a search. In a long list, models with only local optimisations and a
-  /// probability below kLimits.searched_model are excluded.
+  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n), at its largest over
+  /// the models; it is 1 without a search. In a long list, models with only local optimisations and
+  /// a probability below kLimits.searched_model are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
   /// not known. The search may miss a narrower mode even if its basin of steepest ascent exceeds
   /// `resolution` (resolution_of).
   double resolved_width = 0.0;
-  /// Number of models searched by local optimisations alone; `resolution` excludes them
+  /// Number of models searched by local optimisations alone; `resolution` excludes these
   int glanced = 0;
   /// Number of models that were not evaluated (ModelFindings::passed_over). `resolution` does not
   /// include these models.

@@ -72,8 +72,8 @@ struct RunContext {
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
 
   /// Runs job(c, chain, target) for every chain on several threads and ranks, then stores the
-  /// target's counters in its chain. A job may change only its chain, its target and its draws
-  /// (RunState::posterior.chains[c]).
+  /// target's counters in the state of the chain. A job may change only its chain, its target and
+  /// its draws (RunState::posterior.chains[c]).
   template <typename Job>
   void each_chain(RunState& state, Job&& job) {
     each_chain_until(state, [&](int c, ChainState& chain, Target& target) {

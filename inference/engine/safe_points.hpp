@@ -23,8 +23,8 @@ class SafePoints {
   /// call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
   /// Call this function at every safe point. The function saves the state if saving is due.
-  /// Otherwise, it stores a copy of the state, at most once per second, in case the run is stopped
-  /// before the next safe point.
+  /// Otherwise, the function stores a copy of the state, at most once per second, in case the run
+  /// is stopped before the next safe point.
   void pass(RunState& state);
   /// Saves the state. Call this function at a safe point if the run is being stopped.
   void stop(RunState& state);

@@ -14,8 +14,8 @@ namespace wheeltap::inference {
 struct ImportanceOptions {
   std::uint64_t seed = 1;
   int draws = 20000;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
 };
 
 struct ImportanceSampling {
@@ -41,8 +41,8 @@ struct ImportanceSampling {
                                                         const std::function<bool()>& stop = {});
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
-/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k
-/// finite moments. The result is -∞ if the fit has fewer than 5 weights.
+/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): moments of the weights of
+/// an order below 1/k̂ are finite. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 /// Above this shape k̂, the sample variance of the weights does not give the error of their mean

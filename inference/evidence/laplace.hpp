@@ -29,7 +29,7 @@ struct ModeOptions {
                                            const ModeOptions& options);
 
 struct Laplace {
-  Evidence evidence;  ///< evidence with a standard error of NaN
+  Evidence evidence;  ///< evidence; its standard error is NaN
   std::vector<double> z;
   std::vector<double> x;       ///< the mode in physical parameters
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, in z

@@ -16,8 +16,8 @@ struct MetropolisOptions {
   int chains = 4;
   int warmup = 3000;  ///< warm-up iterations, in which the proposal adapts
   int draws = 5000;   ///< number of draws per chain, one per iteration
-  int threads = 0;    ///< 0: all threads of the machine. The results do not depend on the number of
-                      ///< threads.
+  int threads = 0;    ///< number of threads; 0: all threads of the machine. The results do not
+                      ///< depend on this number.
 };
 
 /// Draws from the posterior of one model, separately for each chain.

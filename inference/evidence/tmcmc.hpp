@@ -28,13 +28,13 @@ struct TmcmcOptions {
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant, finite at every finite z. Several threads may call it at once. It screens moves
-  /// in stages in which its error is small (see `tmcmc`).
+  /// to a constant, finite at every finite z. Several threads may call this function at once. It
+  /// screens moves in stages with a small error (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
@@ -86,10 +86,10 @@ struct Tmcmc {
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.
-/// - With an approximation s(z) of ln (factor · likelihood), a move makes several Metropolis steps
-///   that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the last
-///   point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])}, where
-///   e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
+/// - With an approximation s(z) of ln (prior factor · likelihood), a move makes several Metropolis
+///   steps that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the
+///   last point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])},
+///   where e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
 ///   Scientific Computing, section 9.4.3; delayed acceptance: Christen & Fox 2005). The moves
 ///   therefore leave π_j invariant for every s. The factor c minimises the standard deviation of β
 ///   e over the other half of the samples. Samples are moved in this way only if this deviation is
@@ -104,7 +104,7 @@ struct Tmcmc {
 /// If a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN and
 /// the result carries a warning.
 ///
-/// Throws LikelihoodError if no prior draw has a positive likelihood; std::invalid_argument for
+/// Throws LikelihoodError if no prior draw has a positive likelihood, and std::invalid_argument for
 /// options out of range.
 [[nodiscard]] Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options);
 

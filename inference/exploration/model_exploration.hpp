@@ -30,7 +30,7 @@ struct ExplorationOptions {
   int particles = 1200;       ///< particles of a full SMC run, in four replicates together
   int rounds = 5;             ///< largest number of rounds of importance sampling
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
-  /// 0: all threads of the machine. The results do not depend on the number of threads.
+  /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
   /// Draws of another method, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};

@@ -86,7 +86,7 @@ class NormalMixture {
   void component_log_densities(std::span<const double> z, std::span<double> out) const;
 
   void sample(base::Random& random, std::span<double> out) const;
-  /// Draws a component index with the mixture's weights.
+  /// Draws a component index with probabilities equal to the mixture's weights.
   [[nodiscard]] int sample_component(base::Random& random) const;
 
   /// Computes u = L_k⁻¹ (z - μ_k); the next function computes z from u. The Jacobian |dz/du| is

@@ -162,9 +162,9 @@ class KernelMixture {
 /// Efficiency of each kernel relative to the best other kernel of its type, limited to the range
 /// from 0.1 to `most`. The efficiency is the number of accepted moves per unit of counted work,
 /// which includes one likelihood evaluation per proposal. For kernels that propose jumps between
-/// models, only jumps count. Kernels without additional work whose `most` is 1 have the efficiency
-/// 1, because some of these kernels reach states that other kernels do not reach. Kernels with too
-/// few proposals also have the efficiency 1.
+/// models, only accepted jumps count. Kernels without additional work whose `most` is 1 have the
+/// efficiency 1, because some of these kernels reach states that other kernels do not reach.
+/// Kernels with too few proposals also have the efficiency 1.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

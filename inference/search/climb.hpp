@@ -53,7 +53,7 @@ class Surface {
   std::vector<double> ordered_, batch_;
   std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
-  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of points without gradient
+  long gradients_ = 0, refusals_ = 0;  ///< number of gradients; number of points without a gradient
   long saved_ = 0;
   std::function<bool()> stop_;
 };

@@ -22,29 +22,29 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
+  long climbs = 0;  ///< optimisations; 0: as many as `budget` allows, kFewestClimbs to kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
   /// optimisations in progress are finished. Replacements of components may use a further 10 % of
   /// the budget, or as many evaluations as the optimisations before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of optimisations
-  /// from prior draws, followed modes, and draws per mode.
+  /// Factor in (0, 1] on the work for a growing record. The factor multiplies the numbers of
+  /// optimisations from prior draws, followed modes, and draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
   bool fine = false;  ///< `starts` are near modes: use small difference steps (climb.hpp)
-  int threads = 0;    ///< 0: all threads of the machine. Results do not depend on this number.
-  /// Callback, called from one thread with the completed share. If it returns false, the search
-  /// ends.
+  int threads = 0;    ///< threads; 0: all of the machine. Results do not depend on this number.
+  /// Callback, called from one thread with the completed share. If the callback returns false, the
+  /// search ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Callback, called between two likelihood evaluations by any thread. If it returns true, the
-  /// search ends, and optimisations in progress are discarded.
+  /// Callback, called between two likelihood evaluations by any thread. If the callback returns
+  /// true, the search ends, and optimisations in progress are discarded.
   std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
   std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
-  long climbs = 0;          ///< completed optimisations from points with a positive density
+  long climbs = 0;          ///< number of completed optimisations from points of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
@@ -89,8 +89,8 @@ inline constexpr long kMostClimbs = 10000;
 ///
 /// If the basin of a mode has the prior probability p, all n optimisations miss it with probability
 /// (1-p)^n. The basin contains all points from which an optimisation with finite steps reaches the
-/// mode. From the basin of steepest ascent, it reaches a mode of width w with probability ≈ min(1,
-/// w / spacing), since it evaluates ln π only at points `spacing` apart.
+/// mode. From the basin of steepest ascent, an optimisation reaches a mode of width w with
+/// probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 

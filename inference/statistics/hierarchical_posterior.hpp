@@ -77,7 +77,7 @@ struct HierarchicalPosterior {
 /// weighted mean m (Birge 1932).
 struct BirgeRatio {
   double ratio = 1.0;
-  double p_value = 1.0;  ///< P(χ² with n - 1 degrees of freedom is larger)
+  double p_value = 1.0;  ///< probability that χ² with n - 1 degrees of freedom is larger
 };
 [[nodiscard]] BirgeRatio birge_ratio(std::span<const GroupEstimate> groups);
 

@@ -60,8 +60,8 @@ struct MergedModes {
 };
 
 /// Merges the modes of several set-ups. Modes of two set-ups match if their frequencies differ by
-/// less than 2 % or five standard deviations, and |Δf|/f + 1 - MAC at the references is small
-/// (average_linkage with the threshold 0.15). If a mode is not identified in some set-ups, the
+/// less than 2 % or five standard deviations, and their mean distance |Δf|/f + 1 - MAC at the
+/// references is at most 0.15 (average_linkage). If a mode is not identified in some set-ups, the
 /// merged shape has no entries (NaN) at the sensors that only these set-ups have. `sensors` is the
 /// total number of sensors. Throws std::invalid_argument for an empty list of set-ups, set-ups
 /// without a common sensor, and a sensor number that is out of range or occurs twice in one set-up.

@@ -42,7 +42,7 @@ struct Pole {
   double frequency_hz = 0.0;
   double damping = 0.0;
   Eigen::VectorXcd shape;     ///< one entry per channel, largest entry 1
-  double frequency_sd = 0.0;  ///< [Hz]; NaN if not requested
+  double frequency_sd = 0.0;  ///< standard deviation of the frequency [Hz]; NaN if not requested
   double damping_sd = 0.0;
 };
 
