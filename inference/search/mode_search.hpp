@@ -79,8 +79,8 @@ inline constexpr long kMostClimbs = 10000;
 ///
 /// If the problem can be shortened, the optimisations use its first 50 samples. The number of
 /// samples is then doubled repeatedly. Each mode is followed by optimisations from the previous
-/// mode and from draws of the normal approximation at this mode. If the mode does not exist for
-/// the doubled record (ln π falls by far more than the share of the new samples), the best modes
+/// mode and from draws of the normal approximation at this mode. If the mode does not exist for the
+/// doubled record (it predicts the new samples far worse than the earlier samples), the best modes
 /// are followed with smaller increments of the record. Further optimisations on the whole record
 /// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
