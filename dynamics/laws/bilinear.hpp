@@ -15,7 +15,7 @@ struct Bilinear {
       .description = "a spring for one sign of e, e.g. a crack that transmits force if closed",
       .notes =
           "The key `stiffness` of the link acts for both signs of e. This law adds the stiffness "
-          "kb for one sign. A negative kb makes the link softer for this sign.",
+          "kb for one sign of e. A negative kb makes the link softer for this sign.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
