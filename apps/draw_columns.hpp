@@ -17,13 +17,13 @@ namespace wheeltap::apps {
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
-  bool whole = false;  ///< true if the numbers are whole numbers
+  bool whole = false;  ///< true if all values are whole numbers
   std::string unit = {};
   std::string slot = {};  ///< name of the dimension of slots; empty: no slots
   std::size_t slots = 1;
-  std::string names = {};  ///< meanings of whole numbers, joined by ";"
+  std::string names = {};  ///< meanings of the whole numbers 0, 1, …, joined by ";"
 
-  /// Function that appends the numbers of a chain to a list, draw by draw.
+  /// Appends the numbers of a chain to a list, draw by draw.
   template <class Number>
   void append(const inference::Chain& chain, std::vector<Number>& to) const {
     to.reserve(to.size() + chain.size() * slots);

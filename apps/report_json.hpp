@@ -15,7 +15,7 @@ using Report = nlohmann::ordered_json;
 /// The rows of a matrix; null for entries that are not finite.
 [[nodiscard]] Report rows_of(const Eigen::MatrixXd& matrix);
 
-/// Rounds a number to five digits to shorten the JSON text. A chart shows fewer digits.
+/// Rounds a number to five significant digits to shorten the JSON text; charts show fewer.
 [[nodiscard]] double compact(double x);
 /// Rounds a number to the digits that resolve a thousandth of `width`, at least five digits.
 [[nodiscard]] double compact(double x, double width);

@@ -19,8 +19,8 @@ using inference::RunCost;
 /// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Name of an environment variable. If its value is "json", the progress on standard error is one
-/// line of JSON per report: {"stage", "fraction", "detail", "seconds_left"}.
+/// Environment variable. If it is "json" and standard error is not a terminal, progress is printed
+/// as JSON Lines: {"stage", "fraction", "detail", "seconds_left" if known, "models" if any}.
 inline constexpr const char* kProgressVariable = "WHEELTAP_PROGRESS";
 
 /// Options of every command that reads a case.
@@ -29,14 +29,14 @@ struct CommonOptions {
   std::filesystem::path output;
   std::vector<std::string> overrides;  ///< values of --set
   std::optional<std::uint64_t> seed;
-  int threads = 0;  ///< number of threads; 0: all threads of the machine
+  int threads = 0;  ///< number of threads; 0: one per processor of the machine
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< time between two checkpoints [s]; 0: no checkpoints
   /// Callback of --dry-run. If it is set, a command passes the estimated cost of its work ("run",
   /// "table") to the callback and ends without the work.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
-  double max_memory_gb = 4.0;  ///< limit of the estimated memory
+  double max_memory_gb = 4.0;  ///< limit of the estimated memory [GB]
   double max_hours = 100.0;
   /// Limit of the disk space; empty: free space of the results folder
   std::optional<double> max_disk_gb;

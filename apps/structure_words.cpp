@@ -38,7 +38,7 @@ std::string sentence(const remark::DeepSection& r) {
 std::string sentence(const remark::TwinMembers& r) {
   return "Members \"" + r.first + "\" and \"" + r.second + "\" join the same nodes, " + r.from +
          " and " + r.to +
-         ": Wheeltap adds their stiffnesses and masses. If only one exists, delete the other.";
+         ": Wheeltap adds their stiffnesses and masses. If only one is real, delete the other.";
 }
 
 std::string sentence(const remark::UnusedNodes& r) {

@@ -137,7 +137,7 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
   if (!(verdict.resolution > 0.0 && verdict.resolution < 1.0)) return {};
   std::string text = "posterior modes with a basin of attraction below " +
                      significant(100.0 * verdict.resolution, 2) +
-                     " % of the prior may have been missed";
+                     " % of the prior probability may have been missed";
   if (verdict.resolved_width > 0.0) {
     text += ". This limit increases as 1 / width for posterior modes narrower than " +
             significant(verdict.resolved_width, 1) +
@@ -212,7 +212,7 @@ std::string emulator_warning(int damages, const std::vector<int>& blind) {
   if (blind.empty()) return {};
   return "With " + std::to_string(damages) + (damages == 1 ? " damage" : " damages") +
          " the emulator cannot predict " + name_modes(blind) +
-         ": the emulator error for these modes is as large as the effect of the damage (Q2 < 0.9). "
+         ": the emulator error for these modes is a third of the damage effect or more (Q2 < 0.9). "
          "Use more sites "
          "(\"sites\": \"every-element\"), \"coordinate\": \"compliance\", or "
          "\"predictor\": \"fe\".";

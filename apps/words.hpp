@@ -18,10 +18,10 @@ using base::grouped;
 /// x with `digits` significant digits, without trailing zeros. Numbers from 1e-4 to a million have
 /// plain notation ("350", not "3.5e+02"); other numbers have the form "5.4e-6".
 [[nodiscard]] std::string significant(double x, int digits);
-/// x rounded to two significant digits of `width`, the width of an interval. The result has at
-/// least three and at most ten significant digits.
+/// x rounded to the decimal place of the second significant digit of `width`, the width of its
+/// interval. The result has at least three and at most ten significant digits.
 [[nodiscard]] std::string resolved(double x, double width);
-/// A count rounded to three digits: "80500".
+/// A count rounded to three significant digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);
 /// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
@@ -66,9 +66,9 @@ struct Context {
 };
 [[nodiscard]] std::string sentence(const identification::Remark& remark, const Context& context);
 
-/// A sentence on a choice of the sampler.
+/// A sentence on a setting that the sampler chose.
 [[nodiscard]] std::string in_words(inference::Choice choice);
-/// A sentence on a model whose prior contains no possible point.
+/// A sentence on a model whose likelihood is zero at every point drawn from its prior.
 [[nodiscard]] std::string impossible_in_words(const std::string& model);
 /// A sentence on the part of a record that a quick run used.
 [[nodiscard]] std::string in_words(const identification::Look& look);
@@ -76,8 +76,8 @@ struct Context {
 /// A sentence on why a system identification was repeated, with the new settings.
 [[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
 
-/// Coefficients of a term as text: "1200 (1150 to 1260)", with the names of the coefficients if a
-/// term has several. The text is "-" for a term without draws.
+/// The coefficients of a term as text: "1200 (1150 to 1260)", with their names if the term has
+/// several coefficients. The text is "-" for a term without draws.
 [[nodiscard]] std::string coefficients_in_words(const identification::TermFinding& term);
 /// "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) terms; undecided: bilinear (40 %); no
 /// evidence for coulomb (3 %)." One sentence per link.
@@ -85,8 +85,8 @@ struct Context {
 
 /// A sentence on the mirror-image ambiguity of a symmetric beam.
 [[nodiscard]] std::string symmetry_statement(bool emulated);
-/// A sentence on the difference between intact model and measured baseline, and on the correction
-/// of this difference.
+/// A sentence on the difference between the intact model and the measured baseline, and on its
+/// correction.
 [[nodiscard]] std::string baseline_statement(const identification::Baseline& baseline);
 /// A sentence on the ambiguity of a symmetric structure: equivalent locations, and members on which
 /// the positions s and L - s are equivalent.

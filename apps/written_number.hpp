@@ -9,7 +9,7 @@ namespace wheeltap::apps {
 
 struct WrittenNumber {
   double value;      ///< the number in SI units
-  std::string unit;  ///< SI unit of the number; empty for a percentage or without a unit
+  std::string unit;  ///< SI unit of the number; empty for a percentage or a number without unit
 };
 
 /// Parses all of `text`: digits with a decimal point or comma, and optionally a unit or a percent

@@ -3,12 +3,12 @@
 // Eigen's vectors and matrices cross the library boundary by value: one side allocates memory and
 // the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED. Without
 // explicit settings, this macro and EIGEN_MAX_ALIGN_BYTES follow from the compiler's option -march.
-// wheeltap::base sets both macros for its users. Without these settings, compilation stops here;
-// otherwise the program could crash in free().
+// wheeltap::base sets both macros for its users. Without these settings, compilation stops here,
+// because the program could crash in free().
 //
-// EIGEN_NO_CPUID: Eigen splits sums of products by cache sizes, which it reads from the processor.
-// Rounding errors, and therefore every draw of a chain, would depend on the machine. With this
-// setting, Eigen assumes the same cache sizes on every machine.
+// EIGEN_NO_CPUID: by default, Eigen splits sums of products by cache sizes read from the processor.
+// Rounding errors, and therefore every draw of a chain, would depend on the machine. With
+// EIGEN_NO_CPUID, Eigen assumes the same cache sizes on every machine.
 #pragma once
 
 #include "base/eigen_products.hpp"

@@ -59,8 +59,8 @@ struct Factor {
   Factor transposed() const { return {matrix.transposed(), conjugate}; }
 };
 
-// Computes C = scale A B, or C += scale A B if `add` is true. Inner strides of all matrices are 1.
-// Matrices without entries are allowed; C must not overlap A or B.
+// Computes C = scale A B, or C += scale A B if `add` is true. All matrices must have inner stride
+// 1. Matrices without entries are allowed; C must not overlap A or B.
 void multiply(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
               const Dense<double>& c);
 void multiply(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
@@ -70,7 +70,7 @@ void multiply(const Factor<double>& a, const Factor<Complex>& b, Complex scale, 
 void multiply(const Factor<Complex>& a, const Factor<double>& b, Complex scale, bool add,
               const Dense<Complex>& c);
 
-// Computes the same product for column vectors b and c, which may have inner strides.
+// Computes the same product for column vectors b and c, whose inner strides may differ from 1.
 void multiply_vector(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
                      const Dense<double>& c);
 void multiply_vector(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
@@ -93,8 +93,8 @@ template <class A, class B>
 concept Passed =
     Multiplied<typename A::Scalar> && Multiplied<typename B::Scalar> && !(is_map<A> && is_map<B>);
 
-// The parts of an operand scale X, conj(X) or Xᵀ, where X is a matrix in memory. Any other
-// expression is evaluated first.
+// The parts of an operand of the form scale X, conj(X) or Xᵀ, where X is a matrix in memory. Any
+// other expression is evaluated first.
 template <class Expression>
 struct Operand {
   using Traits = Eigen::internal::blas_traits<Expression>;

@@ -22,9 +22,9 @@ template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
 /// Packs the arguments of each call one after the other. An argument is a number, a string, a
-/// vector or matrix of numbers, an optional value, or a structure with a function `carry(parcel,
-/// structure)` in its namespace. Vectors of all these types are allowed too. The length of a span
-/// is not packed, because sender and receiver know the length.
+/// vector or matrix of numbers, an optional value, or a struct for which its namespace declares
+/// `carry(parcel, object)`. Vectors of all these types are allowed too. The length of a span is not
+/// packed, because sender and receiver know the length.
 class Packer {
  public:
   template <class... T>

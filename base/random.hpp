@@ -2,8 +2,8 @@
 // its position in the stream. A random number does not depend on threads or on other streams.
 #pragma once
 
-// Philox uses only integer arithmetic. Without this setting, Random123 includes the headers of all
-// vector instructions, and every source file would take longer to compile.
+// Philox uses only integer arithmetic. Without R123_USE_SSE = 0, Random123 includes the headers of
+// all vector instructions, so that every source file takes longer to compile.
 #ifndef R123_USE_SSE
 #define R123_USE_SSE 0
 #endif

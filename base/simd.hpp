@@ -1,4 +1,4 @@
-// Loops compiled once for each vector register width and selected at run time.
+// Loops compiled once for each SIMD width and selected at run time.
 // Each of these loops has its own implementation file. The build compiles this file once for each
 // instruction set; each compilation produces a table of functions. The implementation files use
 // only plain pointers. Otherwise the linker might select a library template that is compiled for
@@ -47,7 +47,7 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 #endif
 }
 
-/// The function tables of one set of loops. A pointer is null if the build does not include these
+/// The function tables of one set of loops. A pointer is null if the build has no table for these
 /// instructions.
 template <class Table>
 struct Compiled {

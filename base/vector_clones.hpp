@@ -1,4 +1,4 @@
-// Selection of the vector width of an expensive loop at run time, so that a portable build is fast.
+// Selection of the SIMD width of an expensive loop at run time, so that a portable build is fast.
 #pragma once
 
 // Sanitizer builds do not use target clones, because GCC selects the clones at load time, before

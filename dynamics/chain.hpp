@@ -11,8 +11,8 @@
 
 namespace wheeltap::dynamics {
 
-/// A link between the masses a and b. Number 0 is the ground or the moving base; number 1 is the
-/// first mass. With the extension e = y_b - y_a (opening: e > 0), the tension of the link,
+/// A link between the masses a and b. Mass 0 is the ground or the moving base; mass 1 is the first
+/// moving mass. With the extension e = y_b - y_a (opening: e > 0), the tension of the link,
 ///
 ///   T(e, ė) = stiffness · e + damping · ė + Σ laws
 ///
@@ -34,7 +34,7 @@ struct Chain {
   [[nodiscard]] int size() const { return static_cast<int>(masses.size()); }
   /// True if no link has a force law in addition to stiffness and damping.
   [[nodiscard]] bool is_linear() const;
-  /// Returns the largest parameter index of any coefficient, plus one.
+  /// Returns the number of parameters: the largest parameter index of any coefficient, plus one.
   [[nodiscard]] int parameters() const;
 };
 
@@ -45,7 +45,7 @@ void validate(const Chain& chain);
 
 /// Returns the reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"),
 /// or an empty string for a feasible chain. Simulator::simulate returns Outcome::impossible for an
-/// infeasible chain, and if natural frequencies overflow.
+/// infeasible chain, and also if natural frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
 /// The matrices of the linear part of a chain, n × n each.
@@ -54,27 +54,27 @@ struct LinearMatrices {
 };
 [[nodiscard]] LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta);
 
-/// Upper bounds of rates, which limit the time step.
+/// Upper bounds of the rates that limit the time step.
 struct Rates {
   double frequency = 0.0;  ///< upper bound of all natural frequencies ω [rad/s]
   /// Upper bound of the decay rates, that is of the largest eigenvalue of M⁻¹ C [1/s].
   double damping = 0.0;
 };
 
-/// Computes Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C. Each force law enters with its
-/// largest slope for extensions up to `extension[link]` [m]. If `extension` is empty, the
-/// extensions are 0, and a cubic spring does not contribute. The bounds are exact for one mass.
-/// `paces` computes the rates that grow with the speed of a link.
+/// Computes Gershgorin's bounds of the rates from the rows of M⁻¹ K and M⁻¹ C. Each force law
+/// enters with its largest slope for extensions up to `extension[link]` [m]. If `extension` is
+/// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for
+/// one mass. `paces` computes the rates that grow with the speed of a link.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 
 /// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes the increase of the rates per unit of the speed of each link, one number per link
-/// [1/m]. At the speeds ė, the largest rate of the paced force laws is at most Σ pace[link]
-/// |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a
-/// damping rate (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
+/// Computes, for each link, the increase of the rates per unit of the speed of the link [1/m]. At
+/// the speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s],
+/// with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). Here, a rate is a damping rate
+/// (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

@@ -1,4 +1,4 @@
-// Interface between simulate.cpp and the time loops, which are compiled once per vector width.
+// Interface between simulate.cpp and the time loops, which are compiled once per SIMD width.
 // Internal.
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::kernel {
 
-// The loops use only plain arrays. Otherwise the linker could select library code compiled for
-// AVX-512 and use it on every processor.
+// The loops use only plain arrays. With library code, the linker could select functions compiled
+// for AVX-512 and use them on every processor.
 
 struct LawTerm {
   int kind = 0;
@@ -18,15 +18,15 @@ struct LawTerm {
 
 struct LinkTerm {
   int a = 0, b = 0;
-  int slot = 0;       ///< slot of the stiffness, then damping
+  int slot = 0;       ///< slot of the stiffness; the next slot holds the damping
   int pace_slot = 0;  ///< slot of the rate of the force laws per unit of the link's speed [1/m],
                       ///< see `paces`
   int law_begin = 0, law_end = 0;
-  bool turning = false;  ///< true for a force law with memory, whose rate is not smooth at ė = 0
+  bool turning = false;  ///< true if the link has a force law with memory (not smooth at ė = 0)
 };
 
 struct DriveTerm {
-  int mass = 0;  ///< 0: base acceleration
+  int mass = 0;  ///< mass on which the force acts; 0: base acceleration
   const double* samples = nullptr;
   int slot = 0;  ///< scale, offset
 };
@@ -35,15 +35,15 @@ struct DriveTerm {
 /// base_offset.
 struct SensorTerm {
   int mass = 0;
-  int quantity = 0;              ///< number of time derivatives
-  const double* base = nullptr;  ///< base motion, one value per sample of the excitation; null:
-                                 ///< relative motion
+  int quantity = 0;              ///< order of the time derivative of the displacement
+  const double* base = nullptr;  ///< base motion, one value per sample of the excitation; null for
+                                 ///< a sensor of relative motion
   int base_slot = 0;             ///< scale, offset
   const double* observed = nullptr;
   int slot = 0;  ///< slot of scale and offset of the observed signal
 };
 
-/// The work for one group of parameter vectors, one per lane.
+/// The work for one group of parameter vectors, one vector per SIMD lane.
 struct Task {
   int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
   int frictions = 0;  ///< number of pairs of masses with exact friction
@@ -51,30 +51,30 @@ struct Task {
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
-  bool serial = false;  ///< link i joins masses i and i + 1, and the chain has no other links
+  bool serial = false;  ///< true if each link i joins masses i and i + 1 and no other links exist
   int only_law = -1;    ///< the kind of all force laws, if all force laws have the same kind
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;
-  std::int64_t lead_in = 0;  ///< number of samples of the response before scoring begins
+  std::int64_t lead_in = 0;  ///< number of first samples of the response without residuals
   int substeps = 1;
-  bool turning = false;  ///< LinkTerm::turning of any link
-  bool paced = false;    ///< some force law has a rate that grows with the speed of the link
-  double pace = 0.0;     ///< largest product of a paced rate and a time step
+  bool turning = false;  ///< true if LinkTerm::turning is true for some link
+  bool paced = false;    ///< true if the rates of some force law grow with the link's speed
+  double pace = 0.0;     ///< limit of the product of a speed-dependent rate and a time step
   int most_steps = 1;    ///< largest number of time steps per lane and sample
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;      ///< number of halvings of the time step in the exponential of the exact
-                         ///< solution
+  int halvings = 0;      ///< number of halvings of the time step for the matrix exponential of the
+                         ///< exact solution
   double bound = 0.0;    ///< SimulatorOptions::displacement_bound
-  int initial_slot = 0;  ///< slot of the displacements, then velocities; masses have the slots 0,
-                         ///< 1, …
+  int initial_slot = 0;  ///< slot of the initial displacements, then velocities; the slots 0, 1, …
+                         ///< hold the masses
 
   /// The layout is coefficients[slot · W + lane]. All following arrays are 64-byte aligned.
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
-  double* sums = nullptr;     ///< [sensor][lane]; null: store the trajectory
-  /// `weights` is [sensor][lane] or null, and `limit` is [lane]. If the weighted sum of a lane
-  /// exceeds the limit of the lane, the lane fails at once.
+  double* sums = nullptr;     ///< sums of squares, [sensor][lane]; null: store the trajectory
+  /// `weights` has the layout [sensor][lane] or is null; `limit` has one entry per lane. If the
+  /// weighted sum of squares of a lane exceeds its limit, the lane fails at once.
   const double* weights = nullptr;
   const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
@@ -98,7 +98,7 @@ constexpr int scratch_size(int masses, int inputs, int sensors) {
   return 3 * n * n + masses * (n + inputs) + 4 * n * inputs + sensors * (n + inputs) + inputs + n;
 }
 
-/// Returns the number of vectors of scratch memory that the exact solution between switches needs.
+/// Returns the number of vectors of scratch memory for the exact solution between switching times.
 constexpr int scratch_size(int masses, int inputs, int sensors, int thresholds) {
   const int n = 2 * masses;
   return scratch_size(masses, inputs + 1, sensors) + inputs +

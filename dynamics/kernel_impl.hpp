@@ -4,7 +4,7 @@
 //   WHEELTAP_KERNEL_TABLE  the name of its table of functions (base/simd.hpp),
 //   WHEELTAP_LANES         the number of doubles in a vector.
 // The compiler does not contract operations to fused multiply-adds, so the results are bitwise
-// equal for every vector width.
+// equal for every SIMD width.
 #pragma once
 
 #include "dynamics/kernel.hpp"

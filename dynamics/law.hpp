@@ -29,7 +29,7 @@ struct Coefficient {
   }
 };
 
-/// The sign of the extension for which a one-sided law has a force.
+/// The sign of the extension for which a one-sided law exerts a force.
 enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
@@ -38,11 +38,11 @@ inline constexpr int kMaxLawCoefficients = 5;
 /// of magnitude of the coefficient.
 struct LawRole {
   enum class Kind {
-    other,      ///< no order of magnitude
+    other,      ///< order of magnitude unknown
     factor,     ///< factor c in a tension c eᵖ ėᵍ
-    extension,  ///< an extension of the link
+    extension,  ///< the coefficient is an extension of the link
   } kind = Kind::other;
-  int p = 0, q = 0;  ///< powers p and q, for a factor
+  int p = 0, q = 0;  ///< powers p and q of Kind::factor
 };
 
 constexpr LawRole factor_of(int p, int q = 0) {
@@ -59,12 +59,12 @@ struct LawCoefficient {
                                                                 ///< coefficient is required
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool above_lower = false;      ///< the value `lower` is excluded (the law divides by the
+  bool above_lower = false;      ///< true if the value `lower` is excluded (the law divides by the
                                  ///< coefficient)
   std::string_view symbol = {};  ///< symbol in the formula of the law
   std::string_view words = {};   ///< meaning of the coefficient
-  double example = 1.0;          ///< example value for a spring of 2000 N/m and motions of a
-                                 ///< centimetre
+  double example = 1.0;          ///< example value, for a spring of 2000 N/m and displacements of
+                                 ///< about a centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
   /// True if the value is finite and within the bounds `lower` and `upper`.
@@ -79,12 +79,12 @@ struct LawCoefficient {
 struct LawInfo {
   std::string_view name;     ///< key of the law in a case file
   std::string_view formula;  ///< plain text; e: extension, ė: rate of extension, T > 0: tension
-  std::string_view description;  ///< meaning of the law, a phrase
-  std::string_view notes = {};   ///< further advice, whole sentences
+  std::string_view description;  ///< meaning of the law, as a phrase
+  std::string_view notes = {};   ///< further advice, in whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", T = -T_open(-e,
                            ///< -ė) for side = "closing"
-  bool memory = false;     ///< the law has an internal state
+  bool memory = false;     ///< true: the law has an internal state
   bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
 
   [[nodiscard]] constexpr int size() const {
@@ -94,8 +94,8 @@ struct LawInfo {
   }
 };
 
-/// Upper bounds of the slopes of a force law for |e| <= e_max, for the choice of the time step. For
-/// a paced force law, also the growth of the slopes with |ė|.
+/// Upper bounds of the slopes of a force law for |e| <= e_max, for the choice of the time step. A
+/// paced force law also sets the growth of the slopes with |ė|.
 struct Slopes {
   double stiffness = 0.0;  ///< |∂T/∂e| [N/m]
   double damping = 0.0;    ///< |∂T/∂ė| at ė = 0, or an upper bound of |∂T/∂ė| [N s/m]

@@ -13,7 +13,7 @@ struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
   int before = 2;           ///< number of preceding cycles, in which a force law with memory
-                            ///< becomes steady
+                            ///< reaches a steady cycle
   int points = 240;         ///< number of points of the returned cycle, both ends included
 };
 

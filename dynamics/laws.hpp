@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics {
 
-/// True if a force law is linear on both sides of a threshold. The chain then has an exact solution
-/// between switches.
+/// True if a force law is linear on both sides of a threshold. A chain with only such laws has an
+/// exact solution between switches.
 template <class Law>
 inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
   Law::threshold(c);
@@ -32,14 +32,14 @@ inline constexpr bool kFriction = requires(const double* c) {
 
 /// True if a force law is exact dry friction, that is if its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// True if a creep speed that is given by a parameter is 0 at these coefficients. Coefficients with
-/// a creep speed of 0 are infeasible. The integrators do not locate the stick-slip events of
-/// friction with a creep speed, so no time step would be short enough.
+/// True if a creep speed that is given by a parameter is 0 at these coefficients. Such coefficients
+/// are infeasible. The integrators do not locate the stick-slip events of regularised friction, so
+/// no time step would be short enough.
 [[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
-/// True if coefficients [N, m, s …] are feasible for a force law. Each coefficient must be finite
-/// and within its bounds. The coefficients together must satisfy the function `feasible` of the
-/// force law, if the force law has this function.
+/// True if the coefficients `c` (in SI units) are feasible for a force law. Each coefficient must
+/// be finite and within its bounds. The coefficients together must satisfy the function `feasible`
+/// of the force law, if the force law has this function.
 template <class L>
 [[nodiscard]] bool is_feasible(const double* c) {
   for (int i = 0; i < L::kInfo.size(); ++i)

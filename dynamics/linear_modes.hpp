@@ -8,7 +8,7 @@
 
 namespace wheeltap::dynamics {
 
-/// An oscillation of the free chain, z = φ exp(λ t) with a pair of complex eigenvalues λ.
+/// A free oscillation of the chain, z = φ exp(λ t), with a complex conjugate pair of eigenvalues λ.
 struct LinearMode {
   double frequency_hz;   ///< |λ| / 2π; the undamped frequency for proportional damping
   double damping_ratio;  ///< -Re λ / |λ|; negative for a growing motion

@@ -33,8 +33,8 @@ struct Force {
 /// not given, the acceleration is the second derivative of the natural cubic spline through the
 /// displacement. This acceleration is linear between samples, like every excitation. The
 /// displacement is the exact double integral of this acceleration. The displacement [m] and the
-/// velocity of the spline also serve to convert relative to absolute motion. The offset of a
-/// displacement affects only absolute displacements.
+/// velocity of the spline also serve to convert relative to absolute motion. The offset of the
+/// displacement signal affects only predicted absolute displacements.
 struct BaseMotion {
   Signal acceleration = {};
   Signal displacement = {};
@@ -61,23 +61,23 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `exact` or `piecewise` if applicable. Selects `series` if a force law switches, a link
-  /// sticks and slips, or prefer_series is set. Otherwise, or if the number of substeps is fixed,
-  /// selects `runge_kutta`.
+  /// Selects `exact` or `piecewise` if the chain allows it. Selects `series` if a force law
+  /// switches, a link sticks and slips, or prefer_series is set. Otherwise, or if the number of
+  /// substeps is fixed, selects `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
-  /// For chains with at most four nonlinear force laws, all bilinear or contact: the exact solution
-  /// for samples without a switch, and series for samples with a switch.
+  /// For chains with at most four nonlinear force laws, all bilinear or contact. Uses the exact
+  /// solution for samples without a switch, and series for samples with a switch.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
-  /// switching times. For bilinear, contact, quadratic and cubic laws and exact friction.
+  /// switching times. Supports bilinear, contact, quadratic and cubic laws and exact friction.
   series
 };
 
-/// The vector instructions to use; results are bitwise equal for all vector instructions.
+/// The SIMD instructions to use; the results are bitwise equal for all SIMD instructions.
 using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
@@ -86,33 +86,33 @@ inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
-  /// If true, Integrator::automatic selects `series` instead of `runge_kutta`. The error per period
-  /// is 1e-9 instead of 1e-5, and the run time is two to three times as long.
+  /// If true, Integrator::automatic selects `series` instead of `runge_kutta`. The relative error
+  /// per period is 1e-9 instead of 1e-5, and the run time is two to three times as long.
   bool prefer_series = false;
   /// Number of Runge-Kutta steps between two samples of the excitation. If the number is 0, the
   /// simulator selects the number for every parameter vector. The selected number is the smallest
   /// of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ h <= min(1, 5 step_limit), where
   /// ω and γ are the upper bounds that stiffest_rates returns. For force laws whose rate grows with
   /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
-  /// the rate and a step is at most 1 and at most 5 step_limit. The number of these steps per
+  /// the rate and a time step is at most 1 and at most 5 step_limit. The number of these steps per
   /// sample is at most kMaxPacedSubsteps. The simulation of a parameter vector that needs more
   /// steps fails. For `series` and `piecewise`, this option is the number of series expansions per
   /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
-  /// Limit of ω h for a time step h. A time step of this length multiplies a frequency ω by the
-  /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are
-  /// 1.3e-5 and 2.2e-6.
+  /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
+  /// time step of this length multiplies a frequency ω by the factor 1 - (ω h)⁴/120 and adds the
+  /// damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
   /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
-  /// steps as before the refinement, when the step limit was `refinement` times as large.
+  /// steps as the original simulator, whose step limit was `refinement` times as large.
   int refinement = 1;
-  /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws;
-  /// empty: 0.
+  /// The extension [m] of each link up to which stiffest_rates considers nonlinear force laws. If
+  /// the list is empty, this extension is 0.
   std::vector<double> extension = {};
-  /// Every `stride`-th sample of the excitation is a sample of the response. Set this option for an
-  /// excitation that was upsampled by the factor `stride`.
+  /// Every `stride`-th sample of the excitation is also a sample of the response. Set this option
+  /// for an excitation that was upsampled by the factor `stride`.
   int stride = 1;
-  /// Largest displacement relative to the base [m] of a trajectory that does not count as diverged.
+  /// Limit of displacements relative to the base [m]. A trajectory beyond this limit has diverged.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
@@ -120,15 +120,15 @@ struct SimulatorOptions {
 /// Outcome of an integration.
 enum class Outcome {
   complete,
-  impossible,  ///< infeasible parameters: a mass <= 0, a gap < 0
+  impossible,  ///< infeasible parameters, for example a mass <= 0 or a gap < 0
   /// The simulation needs more than the maximum number of steps, or the fixed number of steps is
-  /// too small for stability.
+  /// too small for numerical stability.
   steps_too_long,
   diverged  ///< the displacement bound is exceeded, or a value is not finite
 };
 
 struct Response {
-  Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
+  Eigen::MatrixXd values;  ///< predicted signals, samples × sensors; empty if failed
   Outcome outcome = Outcome::complete;
   bool failed = false;  ///< true for any outcome other than complete
   int substeps = 0;     ///< number of steps per sample; 0 for the exact solution
@@ -179,8 +179,8 @@ class Simulator {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// The misfit of a simulator to observed signals: the residuals r = (scale · observed + offset) -
-/// predicted of all sensors.
+/// The misfit of a simulator to observed signals: the residuals of all sensors, r = (scale ·
+/// observed + offset) - predicted.
 class Misfit {
  public:
   /// `observed[c]` is the signal of sensor c and has the same number of samples as the response.

@@ -20,7 +20,7 @@ namespace detail {
 /// numbers each.
 void require_parameters(std::span<const double> thetas, int sets, int parameters);
 
-/// Returns the available kernels by ascending vector width: the kernel of the requested
+/// Returns the available kernels, sorted by ascending SIMD width: the kernel of the requested
 /// instructions, or all kernels that this processor can run.
 [[nodiscard]] std::vector<const kernel::Kernel*> make_kernels(Instructions instructions);
 
@@ -34,17 +34,17 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// the limit of γ h is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Step parameters that are equal for all parameter vectors of a group.
+/// Parameters of the time steps that are equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// The key of a parameter vector that would need more than kMaxSubsteps steps.
+/// The key of a parameter vector that would need more than kMaxSubsteps steps per sample.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
-/// Outcome of one parameter set, and its lane in the memory of `task`.
+/// Outcome for one parameter vector, and the lane of this vector in the memory of `task`.
 struct Lane {
   std::size_t set = 0;
   Key key;
@@ -101,10 +101,10 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Integrates the parameter vectors in groups of equal key. Calls receive(lane, task) for each
-  /// parameter vector after the integration of its group. If `sums` is false, task.trajectory holds
-  /// the trajectory. `weights` (per vector and sensor) and `limits` (per vector) have the meaning
-  /// of kernel::Task::weights, or are empty.
+  /// Integrates the parameter vectors in groups; the vectors of a group have equal keys. Calls
+  /// receive(lane, task) for each parameter vector after the integration of its group. If `sums` is
+  /// false, task.trajectory holds the trajectory. `weights` (per vector and sensor) and `limits`
+  /// (per vector) have the meaning of kernel::Task::weights, or are empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,

@@ -10,7 +10,7 @@ namespace wheeltap::dynamics {
 /// Criterion of step halving. The change of a response when the time steps are halved is the
 /// largest value over all sensors of
 ///
-///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
+///   ‖r - r'‖ / ‖r'‖,   where r' is the response with time steps half as long.
 struct StepCheck {
   double wanted = 1e-6;     ///< steps are halved until the change is at most `wanted`
   int most_halvings = 8;    ///< largest number of halvings
@@ -18,8 +18,8 @@ struct StepCheck {
 };
 
 struct CheckedResponse {
-  /// The outcome is `diverged` only if the response also diverges with steps a quarter as long;
-  /// otherwise it is `steps_too_long`.
+  /// The outcome is `diverged` only if the response also diverges with time steps a quarter as
+  /// long; otherwise it is `steps_too_long`.
   Response response;
   double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
                         ///< has no truncation error
@@ -28,7 +28,7 @@ struct CheckedResponse {
   SimulatorOptions options;
 };
 
-/// Simulates the response of the simulator's chain with a sufficient number of steps. A first
+/// Simulates the response of the simulator's chain with sufficiently short time steps. A first
 /// simulation gives the extensions of links with nonlinear laws. Then the steps are halved as
 /// StepCheck specifies, or the integrator `series` is used if the laws allow it. If the options fix
 /// the number of substeps, the steps are not changed, and the function only computes the change of

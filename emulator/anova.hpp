@@ -8,12 +8,12 @@
 
 namespace wheeltap::emulator {
 
-/// The additive quantity: a function of a response f for which the effects of several components
-/// are added.
+/// The additive quantity: a function of a response f whose changes by several components are
+/// summed.
 enum class Additive {
   response,   ///< f itself
   logarithm,  ///< ln f, f > 0
-  square,     ///< f², f > 0: proportional to the eigenvalue of a natural frequency
+  square,     ///< f², f > 0: for a natural frequency f, proportional to the eigenvalue
   /// -1/f², f > 0: by first-order perturbation of the flexibility, this quantity is additive in the
   /// compliances of several damaged elements.
   inverse_square
@@ -23,9 +23,9 @@ enum class Additive {
 /// Returns the additive quantity with this name. Throws std::invalid_argument for an unknown name.
 [[nodiscard]] Additive additive_named(std::string_view text);
 
-/// A cut high-dimensional model representation (cut-HDMR) with the structure without components as
-/// reference (Rabitz & Alış 1999, General foundations of high-dimensional model representations,
-/// section 3), to second order. For components c_1 … c_k with m factors each and g the additive
+/// A second-order cut high-dimensional model representation (cut-HDMR; Rabitz & Alış 1999, General
+/// foundations of high-dimensional model representations, section 3). The reference is the
+/// structure without components. For components c_1 … c_k with m factors each and g the additive
 /// quantity of a response,
 ///   g(c_1…c_k) ≈ g_0 + Σ_i g_i + Σ_{i<j} g_ij,
 ///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,
@@ -35,8 +35,8 @@ enum class Additive {
 /// components, the terms of third and higher order are neglected; `validate` measures the error.
 class AnovaEmulator {
  public:
-  /// `baseline` holds the responses without components. `single` predicts the responses for the m
-  /// factors of one component, and `pair` for the 2 m factors of two components in any order. Both
+  /// `baseline` holds the responses without components. `single` predicts the responses from the m
+  /// factors of one component, and `pair` from the 2 m factors of two components in any order. Both
   /// predictors must be thread-safe if threads share this object. Throws std::invalid_argument for
   /// an empty baseline, m < 1, or a baseline response for which the additive quantity is undefined.
   AnovaEmulator(std::vector<double> baseline, std::size_t factors_per_component, Predictor single,

@@ -24,13 +24,13 @@ enum class AxisRule {
 /// Monotone piecewise cubic interpolation, section 3). The interpolant is exact at the nodes of the
 /// grid. The rule cubic reproduces parabolas; monotone_cubic reproduces parabolas if the limit of d
 /// is not active. For smooth data, the error is of third order in the spacing, and of second order
-/// near an extremum that monotone_cubic flattens. Use cubic along a factor with oscillating
-/// responses. A factor whose value is exactly a level needs no interpolation. Evaluations do not
+/// near an extremum that monotone_cubic flattens. Use cubic along a factor along which responses
+/// oscillate. A factor whose value is exactly a level needs no interpolation. Evaluations do not
 /// allocate memory. Several threads may call `evaluate` at once.
 class CubicInterpolant final : public Interpolant {
  public:
-  /// Largest number of stencil nodes in an evaluation. The number is the product over all factors
-  /// of 4 (cubic) or 2 (linear).
+  /// Largest number of stencil nodes in an evaluation. The number of nodes is a product over the
+  /// factors, of 4 (cubic) or 2 (linear) for each factor.
   static constexpr std::size_t kMostNodes = 4096;
 
   /// `values` has the size runs × responses, with rows in the order of `full_factorial(factors)`.
@@ -39,7 +39,7 @@ class CubicInterpolant final : public Interpolant {
   CubicInterpolant(std::vector<Factor> factors, RowMatrix values, std::vector<AxisRule> rules);
 
   /// Writes all responses at x to `out`. Throws std::out_of_range for x outside the box of the
-  /// factors, like MultilinearInterpolant.
+  /// factors' ranges, like MultilinearInterpolant.
   void evaluate(std::span<const double> x, std::span<double> out) const override;
 
   [[nodiscard]] bool contains(std::span<const double> x) const override {
@@ -56,8 +56,8 @@ class CubicInterpolant final : public Interpolant {
   std::vector<AxisRule> rules_;
 };
 
-/// Interpolant type with the rule cubic along factors with oscillating responses, and
-/// monotone_cubic along the other factors.
+/// Interpolant type with the rule cubic along factors along which responses oscillate
+/// (TrainingOptions::waves), and monotone_cubic along the other factors.
 extern const InterpolantType kCubic;
 /// Interpolant type with the rule monotone_cubic along every factor.
 extern const InterpolantType kMonotoneCubic;

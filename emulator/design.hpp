@@ -1,4 +1,4 @@
-// Designs of experiments: the points of a box at which the model is run.
+// Designs of experiments: the points of the parameter domain (a box) at which the model is run.
 #pragma once
 
 #include <cstdint>

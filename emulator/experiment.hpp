@@ -1,4 +1,4 @@
-// Evaluation of a model over a design, on several threads and ranks (base/ranks.hpp).
+// Evaluation of a model at all points of a design, on several threads and ranks (base/ranks.hpp).
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace wheeltap::emulator {
 /// A model: a function that computes all responses at one point.
 using Model = std::function<void(std::span<const double> point, std::span<double> response)>;
 /// A function that creates the model of one thread, so that each thread has its own workspace.
-/// run_experiment calls it at most once per thread.
+/// run_experiment calls this function at most once per thread.
 using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
@@ -22,10 +22,10 @@ struct ExperimentOptions {
   /// Journal: a file of finished runs (empty: no journal). If the file exists, its runs are reused.
   /// The file remains after the last run; the caller removes the file after storing the result.
   std::filesystem::path journal = {};
-  /// Identity of the journal in addition to the design, for example the case as text.
+  /// Text that, with the design, identifies the experiment in the journal, for example the case.
   std::string identity = {};
-  /// Callback after each run with the number of finished runs and the number of all runs. Calls do
-  /// not overlap. Runs of other ranks are counted after each twentieth of the design.
+  /// Callback, called after each run with the number of finished runs and the number of all runs.
+  /// Calls do not overlap. Runs of other ranks are counted after each twentieth of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 
@@ -49,10 +49,10 @@ class RunError : public std::runtime_error {
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
 
-/// Returns a part of a design, to divide the work between machines. It contains every run whose
-/// number i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, … (all
-/// numbers count from 0). Throws std::invalid_argument unless 0 <= part < parts and the
-/// part has a run.
+/// Returns a part of a design, to divide the work between machines. The part contains every run
+/// whose number i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, …
+/// (all numbers count from 0). Throws std::invalid_argument unless 0 <= part < parts and the part
+/// has a run.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

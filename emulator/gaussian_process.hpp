@@ -1,4 +1,4 @@
-// Kriging: interpolation of scattered runs, with the uncertainty of the prediction.
+// Kriging: Gaussian-process interpolation of scattered runs, with the variance of the prediction.
 #pragma once
 
 #include <memory>
@@ -43,11 +43,11 @@ struct LogLikelihood {
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
   /// If true, all responses have the same correlation lengths; an evaluation then takes as long as
-  /// for one response. If false, each response has its own correlation lengths. Predictions are
+  /// that of one response. If false, each response has its own correlation lengths. Predictions are
   /// then more accurate if responses oscillate with different wavelengths.
   bool shared_lengths = false;
   /// If true, the nugget is fitted too, for runs with noise. If false, the nugget is the smallest
-  /// value that is numerically stable, and the process interpolates the runs.
+  /// value that keeps R positive definite, and the process interpolates the runs.
   bool infer_nugget = false;
   /// Largest number of runs in the fit of the correlation lengths (drawn with `seed`). The run time
   /// of the fit grows with the cube of this number. The process itself uses all runs.
@@ -82,11 +82,11 @@ class GaussianProcess final : public Interpolant {
   GaussianProcess(GaussianProcess&&) noexcept;
   GaussianProcess& operator=(GaussianProcess&&) noexcept;
 
-  /// Writes the predicted mean values of all responses at x. Throws std::out_of_range for x outside
-  /// the box of the factors, because interpolants do not extrapolate.
+  /// Writes the predicted means of all responses at x. Throws std::out_of_range for x outside the
+  /// box of the factors' ranges, because interpolants do not extrapolate.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// Writes the predicted mean values and variances of the model's responses at x; the variances do
-  /// not include the noise of the runs.
+  /// Writes the predicted means and variances of the model's responses at x; the variances do not
+  /// include the noise of the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 

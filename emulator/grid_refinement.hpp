@@ -28,7 +28,7 @@ struct RefinementOptions {
 struct RefinedGrid {
   std::vector<Factor> factors;        ///< factors with the final levels
   RowMatrix values;                   ///< runs × responses on the full-factorial grid of `factors`
-  std::vector<HoldoutError> holdout;  ///< errors at the check points of the last round
+  std::vector<HoldoutError> holdout;  ///< errors at the random check points of the last round
   Eigen::Index model_runs;            ///< number of all model runs, including probes and checks
   bool reached;  ///< true if all responses satisfy the tolerance at every check point
 };
@@ -41,7 +41,7 @@ struct RefinedGrid {
 /// fraction 1/d is halved and the refinement continues. The model is run only once per point. The
 /// refinement ends with `reached` = false if the grid would exceed `most_runs` or no candidates
 /// remain. Throws the exceptions of `run_experiment` and of the training of the interpolant, and
-/// std::invalid_argument for options whose sizes do not fit, a tolerance or count that is not
+/// std::invalid_argument for options whose sizes do not agree, a tolerance or count that is not
 /// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,

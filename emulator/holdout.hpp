@@ -8,17 +8,17 @@ namespace wheeltap::emulator {
 /// Error of one response over n held-out runs, with the model response y and the emulator
 /// prediction ŷ.
 struct HoldoutError {
-  double rmse;       ///< √(Σ (ŷ - y)² / n), in the unit of the response
+  double rmse;       ///< root mean square error √(Σ (ŷ - y)² / n), in the response's unit
   double max_error;  ///< max |ŷ - y|
   double spread;     ///< √(Σ (y - ȳ)² / n): standard deviation of the response
   double q2;  ///< predictive coefficient Q² = 1 - Σ (ŷ-y)² / Σ (y-ȳ)² = 1 - (rmse/spread)²
 
   /// Returns rmse / spread: 0 for an exact emulator, 1 for a prediction by the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
-  /// True if Q² < 0.9, that is rmse/spread > 0.32. The error is then about a third of the standard
-  /// deviation of the response, or more. If the responses at two points differ by one standard
-  /// deviation, this difference is then only two to three standard errors of the emulator.
-  /// Sensitivity studies also require Q² ≥ 0.9 of metamodels.
+  /// True if Q² < 0.9, that is rmse/spread > 0.32. The RMS error is then about a third of the
+  /// standard deviation of the response, or more. If the responses at two points differ by one
+  /// standard deviation, this difference is then only two to three standard errors of the emulator.
+  /// Sensitivity studies also require metamodels with Q² ≥ 0.9.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };

@@ -1,5 +1,5 @@
-// Interpolants of the runs of a table, and the description of each interpolant type: name in a
-// case, accepted runs, training.
+// Interpolants of the runs of a table, and the description of each interpolant type: its name in a
+// case file, the accepted runs and the training function.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace wheeltap::emulator {
 /// Leave-one-out predictions: each run is predicted from all other runs.
 struct LeaveOneOut {
   RowMatrix mean;      ///< runs × responses
-  RowMatrix variance;  ///< variance of the omitted run, including its noise
+  RowMatrix variance;  ///< variance of the prediction, including the noise of the run
 };
 
 /// A function of the factors of a table, R^d → R^responses, that approximates the runs of the
@@ -58,8 +58,8 @@ struct TrainingOptions {
 /// Description of an interpolant type, defined in the same file as the class of the interpolant.
 struct InterpolantType {
   enum class Runs { grid, scattered };
-  /// Trains an interpolant on a complete table. Fitted values are added to the parameters of the
-  /// table; existing parameters are reused. Throws std::invalid_argument for an unsuitable table.
+  /// Trains an interpolant on a complete table. Fitted parameters are added to Table::parameters;
+  /// existing ones are reused. Throws std::invalid_argument for an unsuitable table.
   using Train = std::unique_ptr<const Interpolant> (*)(Table& table,
                                                        const TrainingOptions& options);
 

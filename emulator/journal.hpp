@@ -24,14 +24,14 @@ class Journal {
     std::vector<double> response;
   };
 
-  /// `alone`: only one process may open the journal. `shared`: several processes may append records
-  /// at the same time; their records do not interleave.
+  /// `alone`: only one process may open the journal. `shared`: several processes may append at the
+  /// same time; each record stays contiguous.
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.
-  /// Throws FileError. Its kind is foreign if the file is not a journal, and mismatch if the
-  /// journal belongs to another experiment. The kind is unwritable if the file cannot be written or
-  /// another process uses the journal exclusively.
+  /// Throws FileError of the kind foreign if the file is not a journal, and of the kind mismatch if
+  /// the journal belongs to another experiment. The kind is unwritable if the file cannot be
+  /// written or another process uses the journal exclusively.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 

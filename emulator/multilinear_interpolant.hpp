@@ -14,7 +14,7 @@ namespace wheeltap::emulator {
 class MultilinearInterpolant final : public Interpolant {
  public:
   /// Largest number of factors. The limit is necessary because the 2^d weights of the corners are
-  /// on the stack.
+  /// stored on the stack.
   static constexpr std::size_t kMostFactors = 12;
 
   /// `values` has the size runs × responses, with rows in the order of `full_factorial(factors)`.
@@ -24,7 +24,7 @@ class MultilinearInterpolant final : public Interpolant {
   MultilinearInterpolant(std::vector<Factor> factors, RowMatrix values);
 
   /// Writes all responses at x (one value per factor) to `out` (one value per response). Throws
-  /// std::out_of_range, naming factor, value and bounds, if x lies outside the box of the grid or
+  /// std::out_of_range, naming factor, value and bounds, if x lies outside the range of the grid or
   /// is NaN, because interpolants do not extrapolate. Throws std::invalid_argument for wrong sizes.
   void evaluate(std::span<const double> x, std::span<double> out) const override;
 

@@ -1,4 +1,4 @@
-// Tables of model runs, with information on their origin.
+// Tables of model runs, with attributes that describe their origin.
 #pragma once
 
 #include <map>
@@ -16,9 +16,9 @@ struct Table {
   RowMatrix points;             ///< runs × factors for scattered runs; empty for a grid
   std::string response_name;    ///< for example "frequency"
   std::string response_unit;    ///< for example "Hz"
-  /// Runs × responses, rows in the order of `design()`; a row of NaN is a missing run.
+  /// Runs × responses, rows in the order of `design()`; a row of NaN marks a missing run.
   RowMatrix values;
-  std::vector<HoldoutError> holdout;              ///< one error per response; empty: not measured
+  std::vector<HoldoutError> holdout;              ///< hold-out error per response, if measured
   std::map<std::string, std::string> attributes;  ///< for example the emulator to which the table
                                                   ///< belongs
   std::map<std::string, RowMatrix> parameters;    ///< for example correlation lengths of a Gaussian
@@ -44,7 +44,7 @@ struct TableFile {
 };
 
 /// Merges the shards of a design that several machines have computed. The result contains every run
-/// that any shard contains. Holdout errors, parameters and attributes of tables are kept only if
+/// that any shard contains. Hold-out errors, parameters and attributes of tables are kept only if
 /// they are equal in all shards. Scattered runs are concatenated without duplicates. Throws
 /// std::invalid_argument for an empty list of shards. Throws std::invalid_argument if the
 /// attributes "case" or "fingerprint", the tables, the factors or the responses of the shards

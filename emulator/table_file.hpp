@@ -1,5 +1,5 @@
-// Tables of model runs in NetCDF-4 files. A file contains several tables, each table with its
-// factors, units and measured error, and attributes that give the origin of the tables.
+// Tables of model runs in NetCDF-4 files. A file contains several tables, each with its factors,
+// units and hold-out errors, and attributes that give the origin of the tables.
 #pragma once
 
 #include <filesystem>

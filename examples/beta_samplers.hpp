@@ -41,14 +41,14 @@ inline double envelope_factor() {
     const double mu = static_cast<double>(i) / kPoints;
     most = std::max(most, beta_density(mu) / proposal_density(mu));
   }
-  return most * (1.0 + 1e-8);  // the maximum on the grid is too small by about this ratio at most
+  return most * (1.0 + 1e-8);  // covers the relative error of the maximum on the grid
 }
 
 struct WeightedMean {
   double mean, standard_error, effective_draws;
 };
 
-/// E[f] = Σ w f / Σ w over draws of the proposal, with the weights w = p / proposal density.
+/// Estimates E[f] by Σ w f / Σ w over draws of the proposal; w = p / proposal density.
 inline WeightedMean importance(const std::function<double(double)>& f, int n,
                                base::Random& random) {
   double sum = 0.0, squares = 0.0, weighted = 0.0;
@@ -68,7 +68,7 @@ inline WeightedMean importance(const std::function<double(double)>& f, int n,
   return {mean, std::sqrt(variance), sum * sum / squares};
 }
 
-/// Accepts draws of the proposal with probability p / (j · proposal density). Draws are
+/// Accepts draws of the proposal with probability p / (j · proposal density); draws are
 /// independent.
 inline std::vector<double> rejection(int n, base::Random& random) {
   const double j = envelope_factor();
@@ -85,8 +85,8 @@ inline std::vector<double> rejection(int n, base::Random& random) {
 ///
 ///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
 ///
-/// (With two components in total, one component would determine the other, because both sum to
-/// one. No update would then be possible.)
+/// (With only two components, each would determine the other, because their sum is one. No update
+/// would then be possible.)
 inline std::vector<double> gibbs(int n, base::Random& random) {
   const auto beta = [&](double a, double b) {
     const double x = random.gamma(a), y = random.gamma(b);
@@ -102,7 +102,7 @@ inline std::vector<double> gibbs(int n, base::Random& random) {
   return draws;
 }
 
-/// Normal random walk with standard deviation `width`; a rejection repeats the state as a draw.
+/// Normal random walk with standard deviation `width`; a rejection repeats the previous draw.
 inline std::vector<double> metropolis_hastings(const std::function<double(double)>& density,
                                                double start, double width, int n,
                                                base::Random& random) {

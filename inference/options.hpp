@@ -11,19 +11,19 @@ namespace wheeltap::inference {
 
 struct Checkpoint;  // checkpoint.hpp
 
-/// For some options, 0 means that the engine chooses the value.
+/// The value 0 of some options means that the engine chooses the value.
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
   /// Warm-up iterations per chain. With 0, the engine chooses the number and also searches for
   /// starting points.
   int warmup = 0;
   /// Draws per chain after warm-up. With 0, the engine starts with 25 000 draws and extends them
   /// until the run has converged.
   int draws = 0;
-  int thin = 0;  ///< iterations per draw; 0: chosen by the engine
+  int thin = 0;  ///< iterations per draw; 0: the engine chooses
   /// Quick run: few local optimisations, importance sampling from the posterior modes found, short
   /// chains. The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given.
   /// The result of a quick run never counts as converged.
@@ -49,7 +49,7 @@ struct Options {
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
   /// chooses the number, for a fixed share of the run's likelihood evaluations. If the basin of a
-  /// posterior mode holds a share p of the prior, all n local optimisations miss the mode with
+  /// posterior mode has the prior probability p, all n local optimisations miss the mode with
   /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
@@ -59,8 +59,8 @@ struct Options {
 
   /// False: do not compute the evidences of models and the shares of posterior modes (they stay
   /// NaN), for a caller that uses the draws alone. The exploration then has at most three rounds of
-  /// importance sampling per model, and two local optimisations from the draws of the tempering,
-  /// which suffice for starting points and proposals.
+  /// importance sampling per model, and two local optimisations from the draws of the tempering;
+  /// this suffices for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in
@@ -80,14 +80,14 @@ struct Options {
   /// draws based on the mode searches.
   std::function<bool(const Progress&)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. The callback returns true
-  /// if the run should stop, and must then return true in all later calls. With an expensive
-  /// likelihood, the run stops after a few evaluations instead of at the next call of `progress`.
+  /// if the run should stop, and must return true in all later calls. With an expensive likelihood,
+  /// the run stops after a few evaluations instead of at the next call of `progress`.
   std::function<bool()> stop = nullptr;
 
   /// Options for saving a run and resuming it with identical results.
   struct Checkpoints {
     /// Callback that saves the state, called from one thread between two iterations of all chains.
-    /// The engine calls it at the given time interval and once when the run is stopped early.
+    /// The engine calls `save` at the given time interval and once when the run is stopped early.
     /// Saving takes at most 3 % of the run time.
     std::function<void(const Checkpoint&)> save = nullptr;
     double every_seconds = 0.0;  ///< time between two calls of `save` [s]; 0: at every safe point

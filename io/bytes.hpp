@@ -18,7 +18,7 @@ constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path,
                                      std::size_t largest = kLargestFile);
 
-/// Reads at most `most` bytes from the beginning of the file. Throws the exceptions of
+/// Reads at most `most` bytes from the beginning of the file. Throws the same exceptions as
 /// `read_bytes`.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t most,
                                       std::size_t largest = kLargestFile);

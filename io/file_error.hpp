@@ -12,7 +12,7 @@ namespace wheeltap::io {
 /// negative or an empty string.
 struct Place {
   std::ptrdiff_t line = 0;
-  std::ptrdiff_t sample = -1;  ///< row, in a file without lines
+  std::ptrdiff_t sample = -1;  ///< row number in a file without lines
   std::ptrdiff_t column = 0;
   std::string header = {};  ///< name of the column
 

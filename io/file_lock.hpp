@@ -7,9 +7,9 @@
 
 namespace wheeltap::io {
 
-/// An advisory lock (flock) on an existing file or folder. It needs no lock file, and ends with the
-/// FileLock object or with the process. For files that cannot be read, and on file systems without
-/// locks, the FileLock object is valid but holds no lock.
+/// An advisory lock (flock) on an existing file or folder. The lock needs no lock file, and ends
+/// with the FileLock object or the process. For files that cannot be read, and on file systems
+/// without locks, the FileLock object is valid but holds no lock.
 class FileLock {
  public:
   /// Locks the file or folder. Returns std::nullopt if another process, or another object of this

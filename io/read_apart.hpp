@@ -47,7 +47,7 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
 /// valid file.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 
-/// Memory limit [bytes] for a file of this size: several times the memory for reading a valid file.
+/// Extra memory [bytes] for a file of this size: several times the memory for reading a valid file.
 /// A file of compressed 16-bit samples needs 24 bytes of memory for each byte of the file.
 [[nodiscard]] double most_bytes(std::uintmax_t bytes);
 

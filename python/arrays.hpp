@@ -18,7 +18,7 @@ py::array view(const Number* data, std::vector<py::ssize_t> shape, const py::obj
   return array;
 }
 
-/// A read-only array that takes over these values without a copy.
+/// A read-only array that takes ownership of `values` without a copy.
 template <class Number>
 py::array owned(std::vector<Number> values, std::vector<py::ssize_t> shape) {
   auto kept = std::make_unique<std::vector<Number>>(std::move(values));

@@ -171,7 +171,7 @@ void bind_engine(py::module_& m) {
   m.def("sample", &sample, py::arg("problem"), py::arg("functions"), py::arg("batch"),
         py::arg("quantiles"), py::arg("options"), py::arg("progress"));
   // The engine's calls, callable from Python for bench/python/likelihood_bench.py.
-  py::class_<Called>(m, "Likelihood", "User functions as called by the engine.")
+  py::class_<Called>(m, "Likelihood", "The user's functions, as the engine calls them.")
       .def(py::init([](const std::string& text, const py::list& functions,
                        const std::vector<bool>& batch) {
              return guarded("sample", [&] {

@@ -1,4 +1,4 @@
-// A finished run, held by Python.
+// A finished run, owned by a Python object.
 #pragma once
 
 #include <string>

@@ -15,11 +15,11 @@ struct RunOptions {
   apps::SamplingOptions sampling;
 };
 
-/// Reads {"seed": 1, "chains": 4, …}. Throws std::invalid_argument with option, value and bound.
+/// Reads {"seed": 1, "chains": 4, …}. Throws std::invalid_argument (with option, value and bound).
 [[nodiscard]] RunOptions run_options(const py::dict& said);
 
-/// Reads a case from the file `path` or, if `text` is not None, from this JSON as if it were that
-/// file. Throws Failure.
+/// Reads a case from the file `path` or, if `text` is not None, from this JSON as if it were the
+/// content of that file. Throws Failure.
 [[nodiscard]] apps::CaseFile case_of(const std::string& path, const py::object& text,
                                      const std::vector<std::string>& overrides);
 

@@ -108,7 +108,7 @@ void bind_runs(py::module_& m) {
         });
       },
       py::arg("folder"), py::arg("summary"), py::arg("text"), py::arg("run"), py::arg("draws"),
-      "Writes the four files of a run into its folder, all files or none.");
+      "Writes the four files of a run into its folder: all four files, or none.");
   m.def(
       "report_page",
       [](const std::string& summary, const std::string& draws) {
@@ -118,7 +118,7 @@ void bind_runs(py::module_& m) {
           return report_page("report", Report::parse(summary), &file);
         });
       },
-      py::arg("summary"), py::arg("draws"), "report.html as text.");
+      py::arg("summary"), py::arg("draws"), "Returns report.html as a string.");
 }
 
 }  // namespace wheeltap::python

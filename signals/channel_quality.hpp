@@ -18,7 +18,7 @@ struct ChannelQuality {
   long missing = 0;  ///< number of samples that are not finite
   double mean = 0.0, sd = 0.0, lowest = 0.0, highest = 0.0;
   double rms = 0.0;   ///< root mean square about zero
-  double step = 0.0;  ///< resolution: smallest difference between two different samples
+  double step = 0.0;  ///< resolution: smallest nonzero difference between two samples
   bool constant = false;
 
   /// Dropouts: runs of equal samples that are too long to occur by chance. A dropout has at least
@@ -36,8 +36,8 @@ struct ChannelQuality {
   /// Gaussian record of any bandwidth. If more than a thousandth of all samples satisfy the
   /// criterion, these samples belong to the signal and the list is empty.
   std::vector<long> spikes = {};
-  /// Trend: rise of the fitted line over the whole record, in standard deviations of the samples
-  /// about this line.
+  /// Trend: rise of the fitted line over the whole record, divided by the standard deviation of the
+  /// samples about this line.
   double drift = 0.0;
   /// Drift: the standard deviation of the means of twenty blocks, divided by the standard deviation
   /// of all samples. Both standard deviations are computed after removal of the trend. The ratio is
@@ -58,10 +58,10 @@ enum class ChannelFault {
   clipped,   ///< number of clipped samples (0)
   spikes,    ///< number of spikes (0)
   counter,   ///< ChannelQuality::drift is infinite: the samples increase by equal steps
-  drift,     ///< ChannelQuality::drift (±1)
+  drift,     ///< ChannelQuality::drift, the trend (±1)
   wander,    ///< ChannelQuality::wander (0.3), only if the drift is within its limit
-  offset,    ///< |mean|, in standard deviations (3)
-  coarse     ///< resolution, in standard deviations (0.05)
+  offset,    ///< |mean| / standard deviation of the samples (3)
+  coarse     ///< resolution / standard deviation of the samples (0.05)
 };
 
 struct FoundFault {
@@ -70,7 +70,7 @@ struct FoundFault {
 };
 
 /// Lists the faults of a channel in the order of ChannelFault. For a constant channel, the list
-/// contains no other fault except missing samples; for a counter, no other fault. If `is_record` is
+/// contains only this fault and missing samples; for a counter, only this fault. If `is_record` is
 /// false, the channel is not a vibration record, and this function checks only for missing samples.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 
@@ -84,8 +84,8 @@ struct SpectrumPeak {
 };
 
 /// Finds the `most` most prominent peaks of a spectrum, sorted by frequency. Peaks with a
-/// prominence below `least_db` are omitted, because errors of the estimated spectrum can cause
-/// them.
+/// prominence below `least_db` are omitted, because random errors of the estimated spectrum can
+/// cause such peaks.
 [[nodiscard]] std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most,
                                                        double least_db = 10.0);
 

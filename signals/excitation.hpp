@@ -22,7 +22,7 @@ class Noise {
   bool has_spare_ = false;
 };
 
-/// Draws independent normal samples with this variance and mean 0.
+/// Draws independent normal samples with mean 0 and the given variance.
 [[nodiscard]] std::vector<double> white_noise(int samples, double variance, Noise& noise);
 
 /// Draws Gaussian noise with a flat spectrum on [low_hz, high_hz] and a spectrum of zero outside
@@ -38,8 +38,8 @@ class Noise {
 [[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
                                        double frequency_hz, double phase = 0.0);
 
-/// A multisine: a periodic sum of sines with equal amplitudes and random phases. The frequencies of
-/// the sines are all k f_s / period in [low_hz, high_hz], k = 1, 2, ….
+/// A multisine: a periodic sum of sines with equal amplitudes and random phases. The frequencies
+/// are all k f_s / period in [low_hz, high_hz], with k = 1, 2, … and the sampling rate f_s.
 struct Multisine {
   int period = 1024;  ///< samples
   double low_hz = 0.0;

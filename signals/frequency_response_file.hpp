@@ -23,8 +23,8 @@ struct MeasuredResponses {
 
 /// Reads all frequency response functions of a file and converts outputs with known units to SI. If
 /// the file has more reference than response degrees of freedom, outputs and inputs are exchanged
-/// (reciprocity). Throws io::FileError for another kind of file. Also throws io::FileError if
-/// frequency response functions have different frequencies, occur twice, or are missing in the
+/// (reciprocity). Throws io::FileError for another kind of file. Also throws io::FileError if the
+/// functions have different frequencies, or if a function occurs twice or is missing from the
 /// matrix.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 

@@ -16,12 +16,12 @@ namespace wheeltap::signals {
 struct MeasuredChannel {
   std::string name = {}, unit = {};
   int number = 0;  ///< number of the column in the file, from 1; 0: unknown
-  /// A unit that the column's name may denote. Wheeltap does not convert values with this unit.
-  /// Empty if the name denotes no unit.
+  /// A unit that the column's name suggests. Wheeltap does not convert values with this unit. Empty
+  /// if the name suggests no unit.
   std::string possible_unit = {};
   std::vector<double> values = {};
   ChannelQuality quality = {};
-  std::optional<Spectrum> spectrum = {};  ///< only for a time history with a known rate
+  std::optional<Spectrum> spectrum = {};  ///< only for a time history with a known sampling rate
   std::vector<SpectrumPeak> peaks = {};
 };
 
@@ -30,7 +30,7 @@ struct LeftOutColumn {
   int number = 1;  ///< number of the column in the file, from 1
   std::string header = {};
   bool is_time_stamp = false;  ///< true: additional time stamps; false: strings or empty cells
-  bool maybe_time = false;     ///< a column of strings in a table without a time column
+  bool maybe_time = false;     ///< true: strings, possibly times, in a table without a time column
 };
 
 /// A table of columns with common sampling times.
@@ -44,7 +44,7 @@ struct MeasuredTable {
   Sampling sampling = {};                      ///< sampling; only for a time column without faults
   std::optional<io::FoundLayout> layout = {};  ///< only for delimited text and workbooks
   std::vector<LeftOutColumn> left_out = {};
-  std::string sampling_fault = {};  ///< a sentence: the reason why the time column gives no rate
+  std::string sampling_fault = {};  ///< a sentence: why the time column gives no sampling rate
   std::vector<MeasuredChannel> channels = {};
 
   [[nodiscard]] long rows() const;
@@ -63,8 +63,8 @@ struct MeasuredFile {
 
 /// Options for reading a file. If an option is empty, its value is detected.
 struct MeasuredReading {
-  std::optional<double> sample_rate_hz = {};  ///< sampling rate of a file that does not state its
-                                              ///< rate [Hz]
+  std::optional<double> sample_rate_hz = {};  ///< sampling rate [Hz] of a file that does not state
+                                              ///< its rate
   io::TextLayout layout = {};                 ///< layout of delimited text and Excel workbooks
   io::ArrayLayout arrays = {};                ///< layout of the arrays of MATLAB, NumPy, NetCDF and
                                               ///< HDF5 files

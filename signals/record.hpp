@@ -25,7 +25,7 @@ struct Record : io::Columns {
 struct RecordReading {
   std::vector<std::string> columns = {};  ///< headers, names or numbers of columns
                                           ///< (io::Columns::find); empty: all
-  std::vector<std::string> ignored = {};  ///< columns that are not read, even as time column
+  std::vector<std::string> ignored = {};  ///< columns to ignore, also as time column
   io::TextLayout layout = {};             ///< layout of delimited text
   io::ArrayLayout arrays = {};            ///< layout of files of arrays
 };
@@ -43,12 +43,12 @@ struct RecordReading {
 /// The sampling according to a time column.
 struct Sampling {
   enum class Basis {
-    unit,     ///< the header or the name of the column gives the unit
-    scale,    ///< the caller gives the scale
+    unit,     ///< the header or the name of the time column gives the unit
+    scale,    ///< the caller gives the duration of one unit
     stamps,   ///< dates and times of day
     epoch,    ///< counts since 1970; the counts are so large that only this unit is possible
     days,     ///< a spreadsheet's dates: days since 1900, or since year 0
-    assumed,  ///< no unit: seconds
+    assumed,  ///< no unit is given; seconds are assumed
     header,   ///< no time column: a line above the rows gives the rate
     stated    ///< no time column, or times that are too coarse: the case states the rate
   };
@@ -68,9 +68,9 @@ struct Sampling {
 
 /// Determines the sampling from a time column. `scale` [s] gives the duration of one unit of the
 /// column. Without `scale`, the unit comes from the column's header or name, otherwise from the
-/// values (see Sampling::Basis); the default is seconds. Every time step must equal the mean
-/// time step within 1 % and the printed precision. Throws io::FileError (corrupt), with the line
-/// number, for NaN, decreasing times, gaps and uneven steps. Also throws io::FileError for an
+/// values (see Sampling::Basis); the default is seconds. Every time step must equal the mean time
+/// step within 1 % plus the rounding of the printed times. Throws io::FileError (corrupt), with the
+/// line number, for NaN, decreasing times, gaps and uneven steps. Also throws io::FileError for an
 /// unknown time unit, and if `stated` differs from the rate of the time column by more than 0.1 %.
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
                                    std::optional<double> stated = std::nullopt,
@@ -81,7 +81,7 @@ struct Sampling {
 /// different rates.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
-/// Resamples all columns that were read to an even rate by natural cubic splines through the
+/// Resamples, at an even rate, all columns that were read, by natural cubic splines through the
 /// samples. The new rate is `rate_hz`, or the mean rate if `rate_hz` is not set. Throws
 /// io::FileError (corrupt), with the line number, if time does not increase, a time step exceeds
 /// five median time steps, or a value is not finite.

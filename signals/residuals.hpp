@@ -20,8 +20,8 @@ namespace wheeltap::signals {
 /// `sigma` is the marginal standard deviation of the process, so that sigma has the same meaning
 /// with and without correlation. The likelihood is the product of the densities of the innovations.
 /// Given the past residuals, r_n is normal about the Durbin-Levinson predictor of order m = min(n,
-/// p), with the variance σ² ∏_{j<=m} (1 - π_j²). The computation needs N p multiplications; p = 0
-/// is white noise. The result is -∞ for sigma <= 0 or a partial autocorrelation outside (-1, 1).
+/// p), with the variance σ² ∏_{j<=m} (1 - π_j²). N residuals need N p multiplications; p = 0 is
+/// white noise. The result is -∞ for sigma <= 0 or a partial autocorrelation outside (-1, 1).
 [[nodiscard]] double ar_log_likelihood(std::span<const double> residuals,
                                        std::span<const double> partial_autocorrelations,
                                        double sigma);

@@ -29,9 +29,9 @@ struct Spectrum {
                              WelchOptions options = {});
 
 /// Frequency response function between the input x and the output y. H1 = S_xy / S_xx is the
-/// estimate for noise on the output, and H2 = S_yy / S_yx the estimate for noise on the input. The
-/// coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment is always
-/// 1.
+/// estimate for noise on the output only, and H2 = S_yy / S_yx the estimate for noise on the input
+/// only. The coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment
+/// is always 1.
 struct FrequencyResponse {
   std::vector<double> frequencies_hz;
   std::vector<std::complex<double>> h1, h2;
@@ -47,7 +47,7 @@ struct FrequencyResponse {
 /// length.
 struct SpectrumComparison {
   Spectrum full, window;
-  double power_ratio = 1.0;  ///< variance in the window divided by the variance of the record
+  double power_ratio = 1.0;  ///< variance of the window divided by the variance of the record
   /// `difference_db` is the root mean square of 10 log₁₀(window / full) over the frequencies that
   /// contain 99.9 % of the record's power. `expected_db` is the expected value of this difference
   /// between two independent estimates of the same spectrum.
@@ -60,8 +60,8 @@ struct SpectrumComparison {
 [[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
                                                 double sample_rate_hz, WelchOptions options = {});
 
-/// Computes the share of a signal's amplitude that linear interpolation between the samples loses:
-/// 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with the sums over the signal's spectrum S. Linear
+/// Computes the relative decrease of a signal's RMS value by linear interpolation between the
+/// samples, 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with the sums over the signal's spectrum S. Linear
 /// interpolation multiplies the amplitude of a component of frequency f by sinc²(f / f_s).
 [[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
 
@@ -71,26 +71,26 @@ void detrend(std::span<double> x, int degree);
 /// Interpolates samples [begin, end) of a record to `factor` times the sampling rate. The result
 /// has (end - begin - 1) · factor + 1 values and contains the original samples unchanged. The
 /// interpolation filter is a sinc function of 32 samples to either side with a Kaiser window (β =
-/// 12). Signal components below 0.43 of the sampling rate keep their amplitude within 1e-5. The
-/// filter uses samples outside [begin, end) if the record contains them. Beyond its ends, the
-/// record is continued by odd reflection, so the first and last 32 samples are less accurate.
-/// Throws std::invalid_argument for a factor < 1 or an invalid window.
+/// 12). Signal components below 0.43 of the sampling rate keep their amplitude to a relative error
+/// of 1e-5. The filter uses samples outside [begin, end) if the record contains them. Beyond its
+/// ends, the record is continued by odd reflection, so the first and last 32 samples are less
+/// accurate. Throws std::invalid_argument for a factor < 1 or an invalid window.
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 
 /// Returns every `factor`-th sample of x, from the first sample on, after a zero-phase low-pass
-/// filter. Components below 0.4 of the new rate keep their amplitude within 1e-4. Components above
-/// 0.5 of the new rate would alias; the filter reduces their amplitude to 1e-4. The record is
-/// continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
+/// filter. Below 0.4 of the new rate, the relative change of amplitudes is at most 1e-4. Components
+/// above 0.5 of the new rate would alias; the filter multiplies their amplitude by 1e-4. The record
+/// is continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
-/// A point of the plot of a spectrum.
+/// A point of a plotted spectrum.
 struct SpectralLevel {
   double frequency_hz, level_db;
 };
 
-/// Computes the sum of the spectral densities of the channels in dB, within [lowest_hz,
-/// highest_hz]. The density of each channel is divided by the variance of the channel. Spectral
+/// Computes the sum of the normalised spectral densities of all channels in dB, within [lowest_hz,
+/// highest_hz]. The density of each channel is normalised by the variance of the channel. Spectral
 /// lines with a sum of 0 are omitted. `records` has one channel per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,

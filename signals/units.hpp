@@ -13,7 +13,7 @@ namespace wheeltap::signals {
 
 enum class Dimension { time, force, length, velocity, acceleration, frequency };
 
-/// Returns the name of a dimension for messages: "a time", "a force", ….
+/// Returns the name of a physical dimension for messages: "a time", "a force", ….
 [[nodiscard]] std::string_view name(Dimension dimension);
 
 struct Unit {
@@ -31,10 +31,10 @@ struct Unit {
 /// acceleration, 0 for all other dimensions.
 [[nodiscard]] int derivative_order(Dimension dimension);
 
-/// Lists the known units of a dimension for messages: "s, ms, …".
+/// Lists the known units of a physical dimension for messages: "s, ms, …".
 [[nodiscard]] std::string known_units(Dimension dimension);
 
-/// Returns the SI unit of a dimension: "s", "N", "m", "m/s", "m/s^2" or "Hz".
+/// Returns the SI unit of a physical dimension: "s", "N", "m", "m/s", "m/s^2" or "Hz".
 [[nodiscard]] std::string_view si_unit(Dimension dimension);
 
 /// Conversion of a column's numbers to SI: SI value = factor · number. All commands and file
@@ -43,8 +43,8 @@ struct Conversion {
   enum class Basis {
     none,          ///< no unit: numbers are used unchanged
     unit,          ///< the header of the file, its line of units, or the case gives the unit
-    foreign,       ///< unknown unit, or a unit of another dimension than expected: numbers are used
-                   ///< unchanged
+    foreign,       ///< unknown unit, or a unit of another physical dimension than expected: numbers
+                   ///< are used unchanged
     stated_scale,  ///< the case gives the factor
   };
   Basis basis = Basis::none;

@@ -14,17 +14,17 @@ class AppFolder {
 
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
-  /// The path of `name`, which is relative to the folder and has "/" between its parts. The file
-  /// need not exist. The result is empty for an empty or absolute name, and for a name of more than
-  /// 1024 bytes, with control characters or with a backslash. The result is also empty if a part
-  /// begins with "." (".." and hidden files), or if the name leads out of the folder through a
+  /// Returns the path of the file `name`. The name is relative to the folder; "/" separates its
+  /// parts. The file need not exist. The result is empty if the name is empty, absolute or longer
+  /// than 1024 bytes, or contains a control character or a backslash. The result is also empty if a
+  /// part begins with "." (".." and hidden files), or if the name leads out of the folder through a
   /// symbolic link.
   [[nodiscard]] std::optional<std::filesystem::path> place(const std::string& name) const;
 
-  /// The name of a path below the folder.
+  /// Returns the name of a path below the folder, relative to the folder.
   [[nodiscard]] std::string name_of(const std::filesystem::path& path) const;
 
-  /// True if the path, without symbolic links, is below the folder.
+  /// True if the path, after its symbolic links are resolved, is below the folder.
   [[nodiscard]] bool contains(const std::filesystem::path& path) const;
 
  private:

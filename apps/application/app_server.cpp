@@ -153,7 +153,7 @@ class Application {
     try {
       if (request.method != "GET" && request.method != "POST")
         throw Refused{405, "only the methods GET and POST are allowed"};
-      if (request.target.size() > kLongestTarget) throw Refused{414, "the address is too long"};
+      if (request.target.size() > kLongestTarget) throw Refused{414, "the URL is too long"};
       // Reject other host names of this address: a page of another site could use them.
       if (!is_own_host(request.get_header_value("Host")))
         throw Refused{403, "the host must be 127.0.0.1 or localhost"};
@@ -166,9 +166,8 @@ class Application {
       if (!site.empty() && site != "same-origin" && site != "none" && !is_report(request.path))
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
-        throw Refused{
-            403,
-            "the address does not contain the token: open the address that wheeltap app printed"};
+        throw Refused{403,
+                      "the URL does not contain the token: open the URL that wheeltap app printed"};
       if (request.method == "POST" && request.get_header_value("Content-Type") != kJson)
         throw Refused{415, "the content must be application/json"};
     } catch (const Refused& refused) {
@@ -226,7 +225,7 @@ class Application {
   void get(const Request& request, Response& response) {
     bounded(response, [&] {
       const auto slash = request.path.find('/', 1);
-      if (slash == std::string::npos) throw Refused{404, "the address must end with /"};
+      if (slash == std::string::npos) throw Refused{404, "the URL must end with /"};
       const std::string rest = request.path.substr(slash + 1);
       if (is_report(request.path)) return get_report(rest, response);
       if (rest.starts_with("api/")) return get_data(rest.substr(4), request, response);
@@ -237,7 +236,7 @@ class Application {
   /// Sends a report as a page that has no access to anything else.
   void get_report(const std::string& name, Response& response) const {
     const fs::path path = place(name);
-    if (path.extension() != ".html") throw Refused{403, "this address serves reports only"};
+    if (path.extension() != ".html") throw Refused{403, "this URL serves reports only"};
     response.set_content(io::read_bytes(path, kLargestResult), "text/html; charset=utf-8");
     response.headers.erase("Content-Security-Policy");
     response.set_header("Content-Security-Policy", kReportPolicy);
@@ -317,7 +316,7 @@ class Application {
     const std::string file =
         request.has_param("file") ? parameter(request, "file") : "summary.json";
     if (file != "summary.json" && file != "poles.json" && file != "modes.json")
-      throw Refused{403, "this address serves summary.json, poles.json and modes.json only"};
+      throw Refused{403, "this URL serves summary.json, poles.json and modes.json only"};
     const fs::path path = place(parameter(request, "name") + "/" + file);
     response.set_content(io::read_bytes(path, kLargestResult), kJson);
   }

@@ -24,8 +24,8 @@ struct AppProgram {
   std::vector<std::string> sampled = {};
   /// Returns the name of the command that runs a case with this text; empty if no command runs it.
   std::function<std::string(const std::string& text)> command = {};
-  /// Checks `text` as the case at `path`, as the command of the case does before a run. `allowed`
-  /// returns true for input files that the case may name. Returns the first fault.
+  /// Checks `text`, the content of the case at `path`, as its command does before a run. `allowed`
+  /// returns true for input files that the case may name. Returns the first fault, if any.
   std::function<std::optional<CasePlace>(
       const std::filesystem::path& path, const std::string& text,
       const std::function<bool(const std::filesystem::path&)>& allowed)>
@@ -38,18 +38,18 @@ struct AppProgram {
 
 struct AppOptions {
   std::filesystem::path folder = ".";
-  int port = 0;     ///< 0: any free port
-  int at_once = 1;  ///< number of simultaneous runs
+  int port = 0;     ///< port of the server; 0: any free port
+  int at_once = 1;  ///< largest number of simultaneous runs
   int threads = 1;  ///< threads per run
-  /// Called when the server accepts connections
+  /// Called with the URL when the server accepts connections
   std::function<void(const std::string& address)> ready = {};
   std::function<bool()> stop = {};  ///< returns true to stop; called a few times per second
 };
 
-/// Serves the application until stop() returns true. The address contains a random token of 128
-/// bits. The server rejects requests without this token, requests from other origins or under other
-/// host names, and methods other than GET and POST. Reports have a separate token, which gives
-/// access to reports only. Throws Failure if the folder is missing or the port is not available.
+/// Serves the application until stop() returns true. The URL contains a random token of 128 bits.
+/// The server rejects requests without this token, with another origin or another host name, and
+/// with methods other than GET and POST. Reports have a separate token, which gives access to
+/// reports only. Throws Failure if the folder is missing or the port is not available.
 void serve_application(const AppProgram& program, const AppOptions& options);
 
 }  // namespace wheeltap::apps

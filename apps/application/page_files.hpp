@@ -7,8 +7,8 @@
 namespace wheeltap::apps {
 
 struct PageFile {
-  std::string_view name;  ///< name of the file in the address; empty: the page itself
-  std::string_view type;  ///< its media type
+  std::string_view name;  ///< name of the file in the URL; empty: the page itself
+  std::string_view type;  ///< media type of the file
   std::string_view text;
 };
 

@@ -20,7 +20,7 @@ class OpenRecords {
   /// Reads the file unless it is still in memory. The channels are not checked. Throws
   /// io::FileError, Failure.
   [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const std::filesystem::path& path);
-  /// Opens the file and checks its channels, which can take longer than reading it. Returns
+  /// Opens the file and checks its channels; the check can take longer than the reading. Returns
   /// {tables: [[{rms, faults, peaks_hz}, …], …]}, one object for each channel.
   [[nodiscard]] Report checked(const std::filesystem::path& path);
 
@@ -46,19 +46,19 @@ struct RecordWindow {
   std::size_t table = 0;
   std::vector<std::size_t> channels = {};
   long begin = 0, end = 0;  ///< rows [begin, end), limited to the rows of the table
-  long points = 1000;       ///< largest number of points, or of intervals
-  std::optional<double> sample_rate_hz = {};  ///< for a table whose sampling rate is unknown [Hz]
+  long points = 1000;       ///< largest number of intervals (see record_window)
+  std::optional<double> sample_rate_hz = {};  ///< sampling rate [Hz] if the table states none
 };
 
 /// Returns {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided
-/// into intervals of `step` rows. `low` and `high` are the extremes of each interval, or null if no
-/// value in it is finite. If `exact` is true, an interval is one row, and `high` is omitted. Throws
-/// std::invalid_argument for a table, a channel or a window that does not exist.
+/// into intervals of `step` rows. `low` and `high` are the smallest and largest value of each
+/// interval, or null if none is finite. If `exact` is true, an interval is one row, and `high` is
+/// omitted. Throws std::invalid_argument for a table, a channel or a window that does not exist.
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
-/// Returns {frequencies_hz, density: […]} of one channel, with at most `points` spectral lines: the
-/// highest line of each interval. The lists are empty if neither the file nor the window states the
-/// sampling rate. Throws std::invalid_argument as record_window does.
+/// Returns {frequencies_hz, density: […]}: the Welch power spectral density of one channel in the
+/// window. The lists are empty if the sampling rate is unknown, for fewer than 16 rows, and for
+/// values that are not finite. Throws std::invalid_argument like record_window.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
 
 }  // namespace wheeltap::apps

@@ -38,19 +38,19 @@ class RunQueue {
   /// Stops all runs; each run writes its results so far. Kills runs that do not end within 10 s.
   ~RunQueue();
 
-  /// Returns the number of the run; empty if the queue is full or a run with the same output folder
-  /// waits or runs.
+  /// Returns the number of the run; empty if the queue is full, or if a run with the same output
+  /// folder is waiting or running.
   [[nodiscard]] std::optional<int> add(RunRequest request);
   /// Removes a waiting run; a running run ends early and writes its results so far. Returns false
-  /// if there is no such run.
+  /// if no waiting or running run has this number.
   bool stop(int number);
-  /// [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
+  /// Returns [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
   /// message, exit, seconds, trace}, …]. A state is queued, running, stopping, done, stopped or
   /// failed. `stages` is [{name, begin}, …], with times since the start of the run [s]. `trace` has
   /// the model probabilities from the draws up to each time: {seconds: […], models: [{name,
   /// probability: […]}, …]}. Runs that have ended have no trace.
   [[nodiscard]] Report list() const;
-  /// True if a run with this output folder waits or runs.
+  /// True if a run with this output folder is waiting or running.
   [[nodiscard]] bool is_busy(const std::filesystem::path& output) const;
 
  private:
@@ -74,16 +74,16 @@ class RunQueue {
     std::optional<int> exit = {};
     std::optional<Clock::time_point> begun = {}, ended = {};
     std::unique_ptr<ChildProgram> program = {};
-    std::string unread = {};  ///< incomplete line of output
+    std::string unread = {};  ///< incomplete last line of the output
     std::vector<Stage> stages = {};
     std::vector<Point> trace = {};
-    double trace_step = kTraceStep;  ///< least time between two points [s]
+    double trace_step = kTraceStep;  ///< smallest time between two points of the trace [s]
   };
 
   void watch(const std::stop_token& done);
   void step();
   void start(Run& run) const;
-  /// The time of the run so far [s].
+  /// Elapsed time of the run [s].
   [[nodiscard]] static double seconds_of(const Run& run);
   static void note_models(Run& run, const nlohmann::json& models);
   [[nodiscard]] static Report trace_of(const Run& run);

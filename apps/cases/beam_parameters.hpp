@@ -1,4 +1,4 @@
-// A beam with unknown coefficients: E, density, support springs.
+// A beam with unknown coefficients: Young's modulus, density, stiffnesses of support springs.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -12,13 +12,13 @@ struct ParametricBeam {
   double depth = 0.0;   ///< depth of the section, if the case gives it
   std::shared_ptr<const identification::StructureModel> model = {};
   bool uniform =
-      /// True if no spring is unknown. The beam then has the same symmetry at all parameter values
-      /// as at the medians of the priors.
+      /// True if no spring stiffness is unknown. The beam then has the same symmetry at all
+      /// parameter values as at the medians of the priors.
       true;
 };
 
 /// Parses the beam at /beam, in which young, density and springs may be names of /parameters.
-/// Throws Failure for unknown names, and for priors outside the bounds of a coefficient.
+/// Throws Failure for an unknown name, and for a prior that exceeds the bounds of its coefficient.
 [[nodiscard]] ParametricBeam parse_parametric_beam(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -280,7 +280,7 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
   if (!out.states() && out.modes() > most_modes) {
     f.refuse(out.data.modes() > 0 ? damage_key("/data") : damage_key("/data/modes"),
              std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
-                 ", the elastic modes of " + std::to_string(out.beam.elements) +
+                 ", the number of elastic modes of " + std::to_string(out.beam.elements) +
                  " elements; refine beam.elements");
   }
 }

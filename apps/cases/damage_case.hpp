@@ -26,7 +26,7 @@ struct DamageCaseFile {
 /// The part of the case's data that a command needs.
 enum class Needs {
   structure,  ///< the structure only (commands `modes`, and `table` without data)
-  data        ///< frequencies, or a truth from which they are simulated
+  data        ///< measured frequencies, or a truth from which frequencies are simulated
 };
 
 /// Validates and parses a case. Throws Failure.

@@ -10,7 +10,7 @@ void take_data(const CaseFile& file, identification::DamageCase& out);
 /// Simulates mode shapes of the truth if the case has sensors. The frequencies must have been
 /// simulated before. Throws Failure, identification::InvalidInput.
 void take_true_shapes(const CaseFile& file, identification::DamageCase& out);
-/// Parses /baseline and compares the data with it. Throws Failure.
+/// Parses /baseline and compares the data with the baseline. Throws Failure.
 void take_baseline(const CaseFile& file, identification::DamageCase& out);
 
 }  // namespace wheeltap::apps

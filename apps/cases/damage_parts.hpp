@@ -15,26 +15,26 @@ namespace wheeltap::apps {
                                              double lower, double upper,
                                              const std::string& allowed);
 
-/// Parses the weights of the counts min … max at `where` ("count"). Normalises the weights to a
-/// sum of 1. Throws Failure.
+/// Parses the prior weights of min, …, max damages at `where` ("count"). Normalises the weights to
+/// a sum of 1. Throws Failure.
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 
-/// Parses the settings of a simulation in "truth" and "data", except the defects.
+/// Parses the simulation settings in "truth" and "data"; does not parse the defects.
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
 
-/// Parses the "extent" of a reduction: absent, a length, or the prior of a length up to `most` [m].
-/// Throws Failure.
+/// Parses "extent", the length of a stiffness reduction: absent, a number, or a prior up to `most`
+/// [m]. Throws Failure.
 void parse_extent(const CaseFile& file, const Pointer& where, double most,
                   identification::DefectKind& kind);
-/// Parses the true extent of the defect at `where`. The extent is an unknown of the case. Throws
+/// Parses the true extent of the defect at `where`; 0 if its kind has no unknown extent. Throws
 /// Failure.
 [[nodiscard]] double true_extent(const CaseFile& file, const Pointer& where,
                                  const identification::DefectKind& kind);
 
-/// The law from crack depth to spring stiffness that the crack at `where` names, or the default
-/// law. Throws Failure for an unknown name.
+/// The law between crack depth and spring stiffness that the crack at `where` names, or the
+/// default. Throws Failure for an unknown name.
 [[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 
 /// Parses the kinds of defect of a structure, with their possible sites. Throws Failure.

@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// Parses the emulator at `where`: the predictor, or the "emulator" of an external model. Throws
-/// Failure.
+/// Parses the emulator at `where`, which is /predictor, or the key "emulator" of an external model.
+/// Throws Failure.
 [[nodiscard]] identification::EmulatorSpec parse_emulator(
     const CaseFile& file, const Pointer& where, const identification::DamageCase& damage_case);
 

@@ -169,7 +169,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
       if (!sensor.direction.empty())
-        file.refuse(where / "direction", "replaces azimuth and elevation: give either");
+        file.refuse(where / "direction", "replaces azimuth and elevation: give this key or those");
       sensor.azimuth = c.value("azimuth", 0.0);
       sensor.elevation = c.value("elevation", 0.0);
     }
@@ -575,7 +575,7 @@ ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> giv
   const Json& json = out.file.json;
   if (json.contains("record") == json.contains("records"))
     out.file.refuse(Pointer(json.contains("record") ? "/records" : "/record"),
-                    json.contains("record") ? "replaces \"record\": give either"
+                    json.contains("record") ? "replaces \"record\": give only one"
                                             : "is missing: a record, or \"records\" of several "
                                               "set-ups");
   if (json.contains("record")) {

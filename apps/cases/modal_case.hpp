@@ -21,10 +21,10 @@ struct SetUp : identification::ModalRecord {
   Pointer where{};                           ///< location of the record in the case
   std::string name = {};                     ///< name of the file
   std::vector<MeasuredSensor> sensors = {};  ///< sensor of each response channel
-  std::vector<int> which = {};               ///< indices into the sensors of all set-ups
+  std::vector<int> which = {};               ///< index of each sensor in ModalCaseFile::sensors
   std::vector<Pointer> places = {};          ///< locations of the sensors in the case
   std::vector<std::string> oddities = {};    ///< sentences on the faults of channels
-  std::vector<ChannelUse> channels = {};     ///< channels of responses, then those of forces
+  std::vector<ChannelUse> channels = {};     ///< response channels, then force channels
   signals::Sampling sampling = {};
   /// Layout of the file, if the record is delimited text
   std::optional<io::FoundLayout> layout = {};
@@ -39,7 +39,7 @@ struct ModalCaseFile {
   std::optional<Geometry> geometry = {};
   bool pre_merged = false;    ///< true if set-ups are merged before identification
   std::string quantity = {};  ///< quantity of the shapes, as in modes.json
-  /// For pre-merged set-ups: each set-up's channels at the common sensors, in the same order.
+  /// For pre-merged set-ups: the channels of each set-up at the sensors common to all set-ups.
   std::vector<std::vector<int>> references = {};
 };
 

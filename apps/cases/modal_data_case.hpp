@@ -12,7 +12,7 @@ namespace wheeltap::apps {
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
   Eigen::MatrixXd shapes = {};  ///< mode shapes, one row per mode; empty without sensors
-  /// Standard deviations of frequencies (relative) and of shapes, > 0
+  /// Standard deviations of frequencies (relative) and of shape entries, > 0
   double cov = 0.0, shape_sd = 0.0;
 };
 
@@ -24,7 +24,7 @@ struct SimulatedModes {
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);
 
-/// Throws Failure for a "doubt" without shapes. Call this function after the truth is simulated.
+/// Throws Failure for data with "doubt" but without shapes. Call this after simulating the truth.
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
 
 }  // namespace wheeltap::apps

@@ -62,7 +62,7 @@ std::string host_of(const CaseFile& file, const std::string& url) {
   std::smatch parts;
   if (!std::regex_match(url, parts, form))
     file.refuse(kPredictor / "umbridge",
-                "must be the address of a server, http://HOST:PORT or with a path, like "
+                "must be the URL of a server, http://HOST:PORT, with or without a path, like "
                 "\"http://localhost:4242\"");
   return parts[1].matched ? parts[1].str() : parts[2].str();
 }

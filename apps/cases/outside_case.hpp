@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 
 /// Timeout and number of retries of a prediction.
 struct Patience {
-  double timeout_seconds = 3600.0;  ///< largest time of a prediction
+  double timeout_seconds = 3600.0;  ///< longest time of one prediction
   int retries = 0;
 };
 
@@ -43,7 +43,7 @@ struct OutsideSpec {
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =
-      /// File of stored predictions that the case names. If `memory` is empty, predictions are
+      /// File, named in the case, that stores predictions. If `memory` is empty, predictions are
       /// stored in the folder of the run.
       {};
 };

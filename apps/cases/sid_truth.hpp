@@ -5,14 +5,14 @@
 
 namespace wheeltap::apps {
 
-/// True if the record is simulated and the base moves in the truth. The next function is true if,
-/// in addition, the truth gives the displacement of the base.
+/// True if the record is simulated and the base of the true model moves. truth_displaces_base is
+/// true if, in addition, the truth gives the displacement of the base.
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 
 /// Parses the true model and its parameters if the case has a truth. For each excitation without a
-/// channel, a channel without noise is added. Parameters, channels and models must be parsed
-/// before.
+/// channel, a channel without noise is added. Call this function after the parameters, channels and
+/// models are parsed.
 void parse_truth(SidCaseFile& parsed);
 
 /// Parses the excitations of the true model and reads their files.

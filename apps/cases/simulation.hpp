@@ -19,13 +19,13 @@ struct SimulatedCase {
   int modes = 0;
   std::string origin;  ///< description of the origin of the data
 };
-/// Simulates the data of an update case; the next function simulates a damage case. `seed` is the
-/// seed of the noise. If `seed` is empty, the seed of the truth is used; its default is 1. Both
-/// functions throw Failure.
+/// simulated_update simulates the data of an update case, simulated_damage those of a damage case.
+/// `seed` is the seed of the noise. If `seed` is empty, the seed of the truth is used; its default
+/// is 1. Both functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
-/// The case with the given frequencies, and with mode shapes if the case has sensors. Throws
-/// Failure.
+/// The case with the frequencies of `data` and, if it has sensors, the mode shapes of `data`.
+/// Throws Failure.
 [[nodiscard]] Json with_simulated(const DamageCaseFile& parsed,
                                   const identification::FrequencyData& data, std::uint64_t seed);
 
@@ -35,8 +35,8 @@ struct SimulatedRecord {
   std::string title;
   std::uint64_t seed = 1;
 };
-/// Simulates the record of a sid case. `seed` is the seed of the noise, as for simulated modes.
-/// Throws Failure.
+/// Simulates the record of a sid case. `seed` has the same meaning as for simulated_update. Throws
+/// Failure.
 [[nodiscard]] SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

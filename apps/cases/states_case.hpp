@@ -1,5 +1,5 @@
-// States of a case: data of the healthy and the damaged structure. Each state has added masses, a
-// temperature and known coefficients. The unknown coefficients are common to all states.
+// States of a case: data of the healthy and the damaged structure. Each state may have added
+// masses, a temperature and known coefficients. The unknown coefficients are common to all states.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -10,8 +10,8 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// True if the case has states: unknown coefficients ("parameters"), or "states", "masses",
-/// "temperature" or "known".
+/// True if the case has "parameters", or if /data or /baseline/data has "states", "masses",
+/// "temperature", "known" or another key that only states support.
 [[nodiscard]] bool has_states(const CaseFile& file);
 
 /// The case with a prior for each coefficient that its states set ("known"), so that parsers of

@@ -120,7 +120,7 @@ class KindParser {
       out.what = "substructure";
       if (!file_.json.at(where).contains("groups"))
         file_.refuse(where / "groups",
-                     "is missing: must be an object with a list of members for each substructure, "
+                     "is missing: must be an object that maps each substructure to its members, "
                      "{\"columns\": [\"left\", \"right\"]}");
       for (const auto& [name, members] : file_.json.at(where)["groups"].items())
         out.names.push_back(name);
@@ -330,7 +330,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
     if (!out.states() && out.modes() > most)
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
-                   ", the elastic modes of this mesh" +
+                   ", the number of elastic modes of this mesh" +
                    (most_supports > 0 ? " that remain with rigid supports" : "") +
                    "; refine \"elements\"");
   } catch (const fem::InvalidStructure& error) {

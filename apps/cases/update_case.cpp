@@ -106,7 +106,7 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
     const auto most = static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols());
     const auto refuse = [&](const Pointer& at, int modes) {
       f.refuse(at, std::to_string(modes) + " modes: must be at most " + std::to_string(most) +
-                       ", the elastic modes that the structure has");
+                       ", the number of elastic modes of the structure");
     };
     // With "doubt", some modes may be spurious.
     if (out.data.least_modes() > most && out.data.doubt == 0.0)

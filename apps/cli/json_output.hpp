@@ -35,7 +35,7 @@ class JsonOutput {
     if (outputs_.empty()) return give_back();
     print();
   }
-  /// Prints the JSON that the command produced, or otherwise the summary in its results folder.
+  /// Prints the JSON of the command or, if it produced none, summary.json of its results folder.
   void print() {
     if (terminal_ == nullptr) return;
     give_back();

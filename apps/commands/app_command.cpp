@@ -93,7 +93,7 @@ void run_app(const CommonOptions& common, const AppFlags& flags) {
               .threads = std::max(1, base::thread_count(common.threads) / flags.at_once),
               .ready =
                   [&](const std::string& address) {
-                    std::cout << "Open this address in a browser (Ctrl-C ends the application):\n  "
+                    std::cout << "Open this URL in a browser (Ctrl-C ends the application):\n  "
                               << address << std::endl;
                   },
               .stop = was_interrupted});

@@ -34,11 +34,10 @@ struct Command {
   std::string summary;  ///< description of the command, one line for --help
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
-  std::string case_kind = {};  ///< kind of case that it runs; empty: none
-  /// The command runs only those cases of its kind that have this key; empty: all other cases of
-  /// its kind
+  std::string case_kind = {};  ///< kind of the cases that the command runs; empty: it runs no case
+  /// Only cases of its kind with this key; empty: only those without the key of another command
   std::string case_key = {};
-  /// Creates a run of a case of this kind; empty if no run of this kind draws samples
+  /// Creates a run of a case of this kind; empty if the command does not sample a posterior
   MakeCaseRun make_run = {};
   /// For kinds without `make_run`: checks a case and reads its data, without a run. Throws Failure.
   std::function<void(CaseFile)> check = {};

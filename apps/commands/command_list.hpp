@@ -39,7 +39,7 @@ namespace wheeltap::apps {
 /// The command that runs a case with this kind and these keys; null if no command runs it.
 [[nodiscard]] const Command* command_of_kind(const CaseFile& file);
 
-/// The kinds of case that commands run; with `sampled_only`, only the kinds that are sampled.
+/// The kinds of case that commands run; with `sampled_only`, only those whose command samples.
 [[nodiscard]] std::vector<std::string> case_kinds(bool sampled_only = false);
 
 }  // namespace wheeltap::apps

@@ -155,7 +155,7 @@ void CommandOptions::add_seed(const char* what) {
 
 void CommandOptions::add_threads() {
   app_.add_option("--simd", invocation_.simd,
-                  "vector instructions: baseline, avx2 or avx512 (default: the best set that the "
+                  "SIMD instruction set: baseline, avx2 or avx512 (default: the best set that the "
                   "processor supports)")
       ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
   app_.add_option("--threads", invocation_.common.threads,
@@ -178,7 +178,7 @@ void CommandOptions::add_sampling() {
       ->transform(whole(100, kMany));
   app_.add_option(
           "--search", invocation_.sampling.searches,
-          "number of local searches for maxima of the posterior in each model, each from a draw of "
+          "number of local searches for posterior modes in each model; each starts at a draw of "
           "the prior (default: chosen automatically)")
       ->transform(whole(0, kMany));
   app_.add_option(
@@ -192,7 +192,7 @@ void CommandOptions::add_sampling() {
           "--quick", invocation_.sampling.quick,
           "quick run with a fixed, small amount of work: mode searches and short chains, so that "
           "probabilities are approximate; "
-          "--dry-run estimates its time")
+          "--dry-run estimates the run time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
                 "check the probabilities: also compute the evidence of each model by other methods "

@@ -23,8 +23,8 @@ namespace wheeltap::apps {
 /// Validator of numbers from 0 to 1e9.
 [[nodiscard]] CLI::Validator seconds();
 
-/// Adds options for the layout of a text file, a workbook or a file of arrays. They have the names
-/// of the keys that describe a record in a case.
+/// Adds options for the layout of a text file, a workbook or a file of arrays. The options have the
+/// same names as the keys of a record in a case.
 void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays);
 
 inline constexpr std::int64_t kMany = 1'000'000'000;

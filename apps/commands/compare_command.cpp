@@ -189,7 +189,7 @@ void print_comparison(const std::vector<Compared>& runs) {
     if (!run.converged) std::cout << "  NOT CONVERGED";
     std::cout << '\n';
   }
-  std::cout << "  (a priori";
+  std::cout << "  (prior probabilities:";
   for (std::size_t i = 0; i < runs.size(); ++i)
     std::cout << (i == 0 ? " " : ", ") << percent(runs[i].prior);
   std::cout << "; set by --prior)\n";

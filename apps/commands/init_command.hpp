@@ -9,12 +9,12 @@
 namespace wheeltap::apps {
 
 /// Every key that a case of a kind may have, from the schema of the kind. The result is a Markdown
-/// table with path, requirement and allowed values of each key. "[]" in a path stands for each
-/// element of a list. Throws Failure (64) for a kind without a schema.
+/// table; a row has the path of a key, whether it is required, and its meaning. "[]" in a path
+/// stands for each element of a list. Throws Failure (64) for a kind without a schema.
 [[nodiscard]] std::string describe_keys(const std::string& kind);
 
-/// Writes KIND.json, KIND.md and their data into `folder` and returns their paths, KIND.json first.
-/// Throws the exceptions of run_init.
+/// Writes KIND.json, KIND.md and data files into `folder` and returns their paths, KIND.json first.
+/// Throws the same exceptions as run_init.
 std::vector<std::filesystem::path> write_starter(const std::string& kind,
                                                  const std::string& structure,
                                                  const std::filesystem::path& folder);

@@ -10,7 +10,7 @@
 
 namespace wheeltap::apps {
 
-/// Identified modes of a case, before their files are written.
+/// Identified modes of a case, before the result files are written.
 struct ModalRun {
   ModalCaseFile modal;
   IdentifiedModes found;
@@ -23,11 +23,11 @@ struct ModalRun {
   void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
   void print(std::ostream& out, bool colour) const;
 };
-/// Identifies modes from the file `given`, or from the file that the case names. Throws Failure.
+/// Identifies modes from the record `given`, or from the files that the case names. Throws Failure.
 [[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
                                       std::optional<signals::Record> given = {});
 
-/// Writes modes.json, summary.json and report.html into the output folder and prints the modes.
+/// Writes the files of ModalRun::keep into the output folder and prints the modes.
 void run_modal(const CommonOptions& common);
 
 }  // namespace wheeltap::apps

@@ -137,7 +137,7 @@ Command monitor_command() {
   const auto flags = std::make_shared<MonitorFlags>();
   return {
       .name = "monitor",
-      .summary = "monitor features under changing weather: onset of changes, and alarms",
+      .summary = "detect changes of features under changing weather: alarms, onset of changes",
       .case_kind = "monitor",
       .check = [](CaseFile file) { static_cast<void>(parse_monitor_case(std::move(file))); },
       .add_options =

@@ -13,7 +13,7 @@ struct ServeOptions {
 };
 
 /// Serves the predictor of the case by the UM-Bridge protocol until Ctrl-C. The server prints its
-/// address once it accepts connections.
+/// URL once it accepts connections.
 void run_serve(const CommonOptions& common, const ServeOptions& options);
 
 }  // namespace wheeltap::apps

@@ -8,7 +8,7 @@
 namespace wheeltap::apps {
 
 struct AlarmCommand {
-  /// Program and arguments; {summary} is summary.json, {case} the folder of the case
+  /// Program and arguments; {summary} is the path of summary.json, {case} the folder of the case
   std::vector<std::string> words = {};
   std::filesystem::path folder = {};  ///< folder of the case
   double timeout_seconds = 60.0;

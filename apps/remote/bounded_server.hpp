@@ -19,9 +19,9 @@ struct ConnectionBounds {
   /// Largest number of simultaneous connections. If a further connection arrives, the server closes
   /// the connection that has waited longest for a request.
   std::size_t connections = 512;
-  std::chrono::seconds idle{60};      ///< largest time between two requests of a connection
-  std::chrono::seconds request{20};   ///< largest time from the first to the last byte of a request
-  std::chrono::seconds response{60};  ///< largest time for sending a response
+  std::chrono::seconds idle{60};      ///< longest time between two requests of a connection
+  std::chrono::seconds request{20};   ///< longest time from the first to the last byte of a request
+  std::chrono::seconds response{60};  ///< longest time for sending a response
   /// Largest size of a request after decompression [bytes]
   std::size_t body = std::size_t{16} << 20U;
 };
@@ -38,7 +38,7 @@ class BoundedServer : public httplib::Server {
   /// and the connection is closed.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
-  /// Closes the connection of this thread after its answer, for a request whose body is not read.
+  /// Closes the connection of this thread after the answer to a request whose body is not read.
   static void close_after_answer() { close_ = true; }
 
  private:

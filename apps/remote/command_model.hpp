@@ -8,11 +8,11 @@ namespace wheeltap::apps {
 /// Each run has a separate temporary directory as its current directory. The directory is removed
 /// unless the run failed. The file {in} contains the parameters: an object {"E": 2.1e11, …}, or
 /// plain numbers, one per line. The program must write one number per output to the file {out}. The
-/// file is a list, an object with such a list as "predictions", or plain numbers with blanks or
-/// line ends between them. In the words of the command, {case} is the folder of the case. The path
-/// of a program with a / in its name is relative to this folder. No shell interprets the words.
-/// stdout.txt and stderr.txt in the directory contain the output of the program. A timeout kills
-/// the run with all processes that it started.
+/// file contains a JSON list, a JSON object with such a list as "predictions", or plain numbers
+/// separated by blanks or line ends. In the command, {case} is the folder of the case. A program
+/// name with a / is a path relative to that folder. No shell interprets the words. stdout.txt and
+/// stderr.txt in the directory contain the output of the program. A timeout kills the run with all
+/// processes that it started.
 class CommandModel final : public identification::OutsideModel {
  public:
   CommandModel(CommandSpec spec, std::vector<std::string> names, int outputs);
@@ -22,7 +22,7 @@ class CommandModel final : public identification::OutsideModel {
   void evaluate(std::span<const double> x, std::span<double> y) override;
 
  private:
-  /// Runs the program once. Returns an error message, or an empty text if the run succeeded.
+  /// Runs the program once. Returns an error message, or an empty string if the run succeeded.
   std::string attempt(std::span<const double> x, std::span<double> y, bool last);
   [[nodiscard]] std::vector<std::string> words_in(const std::filesystem::path& directory) const;
   [[nodiscard]] std::string answer_in(const std::filesystem::path& file, std::span<double> y) const;

@@ -14,18 +14,18 @@ namespace wheeltap::apps {
 /// Returns the models of an update case. The model "forward" maps the parameters of the structure,
 /// in alphabetical order, to the frequencies [Hz] of the measured modes and of the modes to
 /// predict. The model "log_likelihood" maps all parameters to ln p(data | x), "posterior" to ln
-/// p(data | x) + ln p(x). The problem must outlive the models.
+/// p(data | x) + ln p(x). The models keep `problem` alive.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::UpdateProblem> problem);
 
 /// Returns the models of a damage case. The inputs of "forward" are location, severity and, if
 /// unknown, extent [m] of each defect, for the largest number of defects of each kind. A severity
-/// of 0 means no defect. The location has the same form as in posterior.nc. On a beam, it is the
-/// location [m]. On other structures, it is the member (number from 0) and the location [m from its
-/// first node], or the number of a node, link or substructure. "forward" predicts with the emulator
-/// if the likelihood uses the emulator. Each model NAME also has "log_likelihood NAME" and
-/// "posterior NAME", with the same inputs for the number of defects of the model. Throws
-/// std::invalid_argument if a kind has no severity.
+/// of 0 means no defect. The location is given as in posterior.nc. On a beam, it is the coordinate
+/// [m]. On other structures, it is the member (number from 0) and the location [m from its first
+/// node], or the number of a node, link or substructure. "forward" predicts with the emulator if
+/// the likelihood uses the emulator. Each model NAME also has "log_likelihood NAME" and "posterior
+/// NAME", with the same inputs for the number of defects of the model. Throws std::invalid_argument
+/// if a kind of defect has no severity.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
 

@@ -11,12 +11,11 @@ namespace wheeltap::apps {
 [[nodiscard]] bool knows_http();
 
 /// Opens a model by protocol version 1 (Seelinger et al. 2023, UM-Bridge: Uncertainty
-/// quantification and modeling bridge; page "UM-Bridge HTTP protocol" of this project). The
-/// requests /Info and /ModelInfo list the models and their derivatives; /InputSizes and
-/// /OutputSizes give the sizes of their vectors. x is split into the input vectors, and y is the
-/// concatenation of the output vectors. Each thread has its own connection. If a server does not
-/// answer or answers 5xx, the request is repeated after ¼, ½, 1 … seconds; other answers are final.
-/// Throws OutsideModelError.
+/// quantification and modeling bridge; page "UM-Bridge HTTP protocol" of this project). /Info and
+/// /ModelInfo list the models and their derivatives; /InputSizes and /OutputSizes give the vector
+/// sizes. x is split into the input vectors, and y is the concatenation of the output vectors. Each
+/// thread has its own connection. If a server does not answer or answers 5xx, the request is
+/// repeated after ¼, ½, 1 … seconds; other answers are final. Throws OutsideModelError.
 [[nodiscard]] std::unique_ptr<identification::OutsideModel> umbridge_model(const UmbridgeSpec& spec,
                                                                            int inputs, int outputs);
 

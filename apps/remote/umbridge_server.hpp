@@ -29,8 +29,8 @@ struct ServerOptions {
 };
 
 /// Answers the requests /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of
-/// version 1.0 until stop() returns true. Numbers are written with all digits. Throws Failure if
-/// the port is not available.
+/// version 1.0 until stop() returns true. Numbers in answers have all significant digits of a
+/// double. Throws Failure if the port is not available.
 void serve_models(const std::vector<ServedModel>& models, const ServerOptions& options);
 
 }  // namespace wheeltap::apps

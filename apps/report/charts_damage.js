@@ -137,7 +137,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     const extent = 1.08 * Math.max(...values.flatMap((v) => [Math.abs(v.a), Math.abs(v.e)]));
     return [{
       id: 'frequency-residuals', section: 'fit', wide: true, title: 'Replicated minus measured frequencies',
-      caption: `Bars: the frequencies that the models predict for a noisy measurement, minus the measured frequency (thick 50 %, thin 95 %, stroke the median). ${bySd ? 'The unit is the standard deviation of the data' : 'The differences are relative to the measured frequency'}. If a bar does not cross the line at zero, the models do not explain that mode.`,
+      caption: `Bars: the frequencies that the models predict for a noisy measurement, minus the measured frequency (thick 50 %, thin 95 %, stroke the median). ${bySd ? 'The unit is the standard deviation of the measured frequency' : 'The differences are relative to the measured frequency'}. If a bar does not cross the line at zero, the models do not explain that mode.`,
       table: () => ({ head: ['mode', 'measured [Hz]', 'sd [Hz]', '2.5 % [Hz]', '25 % [Hz]', '50 % [Hz]', '75 % [Hz]', '97.5 % [Hz]'], rows: rows.map((r) => [r.mode, r.observed, r.sd, ...r.quantiles]) }),
       spec: (width, theme) => frame(width, 200, theme, {
         data: [{ name: 'r', values }],

@@ -63,8 +63,8 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
         {
           id: 'response-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `Measured and predicted: ${label}`,
           caption: `${r.noise_free
-            ? 'Predicted: median and 95 % band of the motion without noise, on the paler 95 % band of measurements with noise.'
-            : 'Predicted: median and 95 % band of measurements with noise (this run stored no prediction without noise).'} Drag to zoom, double-click for the whole record, or use the buttons.${bucket}`,
+            ? 'Predicted: median and 95 % credible band of the motion without noise, on the paler 95 % prediction band of measurements with noise.'
+            : 'Predicted: median and 95 % prediction band of measurements with noise (this run stored no prediction without noise).'} Drag to zoom, double-click for the whole record, or use the buttons.${bucket}`,
           table: () => ({ head: ['time [s]', 'measured', 'with noise 2.5 %', 'predicted 2.5 %', 'predicted 50 %', 'predicted 97.5 %', 'with noise 97.5 %', 'residual'], rows: r.history }),
           spec: (width, theme) => frame(width, 220, theme, {
             ...zoomed,

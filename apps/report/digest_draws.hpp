@@ -43,7 +43,7 @@ class CellCounts {
   void add(double x, double y, double weight = 1.0) {
     counts_[x_.at(x) * y_.n + y_.at(y)] += weight;
   }
-  /// Returns the cells that are not empty as [i, j, density]; the counts add up to `total`.
+  /// Returns each non-empty cell as [i, j, density], density = count / (total · cell area).
   [[nodiscard]] Report json(double total) const;
 
  private:
@@ -101,13 +101,12 @@ class StoredDraws {
 /// Adds "parameters" (histogram, prior density and thinned history of each parameter of the models
 /// with P >= kCharted) and "pairs" (joint histograms) to `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
-/// Returns these data for each response channel of a record: data and predictions with and without
-/// noise over time, spectra, frequency response functions for the excitations, autocorrelation of
-/// the residuals.
+/// Returns for each response channel of a record: data and predictions with and without noise over
+/// time, spectra, frequency response functions for the excitations, autocorrelation of the
+/// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
-/// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data. All series are thinned evenly. The result is empty if the run did not store the
-/// series.
+/// Returns extension, rate and tension of each link at the draw of highest posterior density, and
+/// its tension from data, thinned. The result is empty if the run did not store the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

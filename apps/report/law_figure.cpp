@@ -107,7 +107,7 @@ std::string law_caption(const dynamics::LawInfo& info) {
               plain_number(c.required() ? c.example : c.otherwise) +
               (c.unit == "1" ? "" : " " + std::string(c.unit));
   }
-  return "A cycle of 10 mm at 5 Hz with " + values;
+  return "Tension for a sinusoidal extension with amplitude 10 mm and frequency 5 Hz; " + values;
 }
 
 std::string law_figure(const dynamics::LawInfo& info) {

@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// The motion of every figure: an amplitude of 0.01 m at 5 Hz, as in the examples.
+/// The motion in every figure: a sine with amplitude 0.01 m and frequency 5 Hz, as in the examples.
 inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2, .points = 121};
 
 /// Returns an SVG document of the tension against the extension. If the tension depends on the rate

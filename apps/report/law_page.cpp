@@ -84,8 +84,8 @@ std::string law_section(const LawInfo& info) {
   }
   if (info.one_sided) {
     text +=
-        "| `side` | | | required | `\"opening\"` or `\"closing\"` | acts for e > 0 or for e < 0 "
-        "|\n";
+        "| `side` | | | required | `\"opening\"` or `\"closing\"` | `\"opening\"`: acts for e > 0; "
+        "`\"closing\"`: acts for e < 0 |\n";
   }
   text += "\nForms in a link:\n\n```text\n" + forms(info) + "```\n\n";
   text += "Complete case:\n\n```json\n" + law_example(info) + "```\n\n```sh\n" + "wheeltap laws " +
@@ -96,9 +96,10 @@ std::string law_section(const LawInfo& info) {
 
 constexpr const char* kIntroduction = R"(# Force laws
 
-A link of a `sid` case has a linear spring (`stiffness`), a damper (`damping`) and any of the force laws below. For each
-law this page gives formula, sign, keys with units, a figure, and a complete case. `wheeltap laws` prints this page,
-`wheeltap laws NAME` prints one section, and `wheeltap laws NAME --example` prints the case.
+In a `sid` case, a link can have a linear spring (`stiffness`), a linear damper (`damping`) and any of the force laws
+below. For each force law, this page gives the formula, the keys with their units, a figure and a complete case.
+`wheeltap laws` prints this page, `wheeltap laws NAME` prints the section of one law, and `wheeltap laws NAME --example`
+prints the complete case of one law.
 
 ## Sign conventions and values
 
@@ -108,21 +109,25 @@ law this page gives formula, sign, keys with units, a figure, and a complete cas
            T →          ← T
 ```
 
-- **Extension.** e = y_b - y_a of a link `"between": [a, b]`, and ė is its rate. e > 0 is called *opening*, e < 0
-  *closing*. Mass 0 is the ground or the moving base: for `[0, 1]` on the ground, e is the displacement of mass 1.
-- **Tension.** T > 0 pulls the masses together: the force is +T on a and -T on b. A spring has T = k e with k > 0, a damper
-  T = c ė, friction T = F sgn(ė). A spring with k > 0 acts towards e = 0; a damper and friction with positive coefficients
-  oppose the motion. One mass on the ground obeys m ÿ = force - T.
-- **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the sum of its laws. The tensions of links
-  between the same two masses add up.
+- **Extension.** The extension of a link `"between": [a, b]` is e = y_b - y_a, where y_a and y_b are the displacements
+  of the masses. ė is the rate of e. Wheeltap calls e > 0 *opening* and e < 0 *closing*. Mass 0 is the ground or the
+  moving base. For the link `[0, 1]` on the ground, e is the displacement of mass 1.
+- **Tension.** A tension T > 0 pulls the masses together: the force on mass a is +T, and the force on mass b is -T. A
+  linear spring has T = k e, a linear damper has T = c ė, and dry friction has T = F sgn(ė). A spring with k > 0 acts
+  towards e = 0. A damper and friction with positive coefficients oppose the relative motion. One mass on the ground
+  under the external force f obeys m ÿ = f - T.
+- **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the tensions of all its force laws. The
+  tensions of links between the same two masses add up.
 - **Values.** A coefficient is a number (known) or the name of a parameter (unknown, with its prior under `parameters`),
-  in SI units. If a law needs only one coefficient, its value may replace the object. A list adds a law several times.
-- **Sides.** A law that acts on one side has `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0, mirrored:
-  T(e) = -T_open(-e)). These words describe the link, not the gap. Example: a mass on the ground, link `[0, 1]`, with a stop
-  at positive displacements has `"opening"`; with a stop at negative displacements it has `"closing"`. The gap of a stop
-  on the wrong side never closes. If you do not know the side, compare a model with a stop on each side.
-- **Rest position.** Springs, gaps and stops are measured from e = 0, where the links of the chain have no tension. The `offset` of
-  a channel shifts the zero of its sensor to this position; the offset may be a parameter.
+  in SI units. If a law needs only one coefficient, the value of this coefficient may replace the object. A list
+  contains several laws of the same kind.
+- **Sides.** A law that acts for one sign of e has the key `side`: `"opening"` (e > 0) or `"closing"` (e < 0). The
+  tension of a closing law is the mirror image of that of the opening law: T(e) = -T_open(-e). *Opening* and *closing*
+  refer to the extension of the link, not to the gap. Example: a mass on the ground, link `[0, 1]`, with a stop at
+  positive displacements has `"opening"`; with a stop at negative displacements it has `"closing"`. The gap of a stop on
+  the wrong side never closes. If you do not know the side, compare a model with a stop on each side.
+- **Rest position.** Springs, gaps and stops are measured from e = 0, where the links of the chain carry no force. The
+  `offset` of a channel shifts the zero of its sensor to this position. The value of `offset` may be a parameter.
 
 Example: a link with dry friction and a stop after a gap of unknown width:
 
@@ -139,7 +144,7 @@ export PATH="$PWD/build/release/apps:$PATH"
 ```
 
 The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each example compares a chain
-without the law and a chain with the law, on a record that is simulated with the law.
+of masses without the law and one with the law. The data are a record that is simulated with the law.
 
 )";
 

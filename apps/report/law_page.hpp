@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-/// Returns the report section about one force law.
+/// Returns the section of the reference about one force law.
 [[nodiscard]] std::string law_section(const dynamics::LawInfo& info);
 /// Returns the page of all force laws as Markdown.
 [[nodiscard]] std::string laws_page();

@@ -11,12 +11,12 @@ namespace wheeltap::apps {
 /// modes, as a table of shaded cells.
 [[nodiscard]] std::string mac_figure(const ModesFile& modes);
 
-/// Returns figures of the entries of each mode shape in the complex plane. Each shape is rotated to
-/// minimise its imaginary parts, so the entries of a real mode are on the horizontal axis.
+/// Returns figures of the entries of each mode shape in the complex plane. Each shape is rotated in
+/// phase to minimise its imaginary parts, so the entries of a real mode are on the horizontal axis.
 [[nodiscard]] std::string complexity_figures(const ModesFile& modes);
 
 /// Returns figures of the rotated entries of each mode shape as bars by channel, with 95 %
-/// intervals if there are covariances, and the key of channel numbers.
+/// intervals if there are covariances, and a legend of the channel numbers.
 [[nodiscard]] std::string bar_figures(const ModesFile& modes);
 
 }  // namespace wheeltap::apps

@@ -156,7 +156,7 @@ std::string merged_table(const Report& modes) {
   std::string out =
       "<div class=\"scroll\"><table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th>"
       "<th>MPC</th><th>set-ups</th><th>between set-ups [Hz]</th>"
-      "<th>least MAC of references</th><th>doubts</th></tr>\n";
+      "<th>lowest MAC at references</th><th>doubts</th></tr>\n";
   int mode = 0;
   for (const Report& m : modes) {
     const Report& places = m.at("places");

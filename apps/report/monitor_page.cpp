@@ -124,8 +124,8 @@ std::string feature_charts(const SeriesTable& t, std::size_t j, const std::strin
                        line_of(plot, top.time, top.high, "line", low, high) + plot.hairs(marks);
   std::string out =
       "<h3>" + escaped(t.names[j]) + "</h3>\n<div class=\"pair\"><div>" +
-      plot.framed("measured values of " + t.names[j] + " with the 95 % band of the prediction",
-                  unit, t.names[j], inside) +
+      plot.framed("measured values of " + t.names[j] + " with the 95 % prediction interval", unit,
+                  t.names[j], inside) +
       "</div>\n<div>";
   const auto [least, most] = limits({&t.corrected[j]});
   const Plot other(t.time.front(), t.time.back(), least, most, 240.0);
@@ -264,8 +264,9 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
          "the accepted change.</p>\n";
   if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
-      "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
-      "a change since the last alarm. The band is wide in rows without covariates. Second figure "
+      "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % prediction interval without "
+      "a change since the last alarm. The interval is wide in rows without covariates. Second "
+      "figure "
       "of each feature: the values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
   if (charts) out += chart_section(monitor, *charts, unit, marks);

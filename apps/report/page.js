@@ -201,8 +201,8 @@
       head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'largest shift without it', 'by [posterior sd]'],
       rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.spurious > 0.5 ? `none (P ${number(m.spurious, 3)})` : m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
         of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and the change of the posterior if the data lack this mode' }),
-    ...(predicted.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
-      rows: predicted.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Predicted frequency of the model, and 95 % band of a noisy measurement' })] : [])];
+    ...(predicted.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the interval'],
+      rows: predicted.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Predicted frequency of the model, and 95 % prediction interval of a measured frequency' })] : [])];
   }
   // Table of a damage run with states: every mode of each state.
   function statesTable() {
@@ -210,7 +210,7 @@
     if (!rows.length) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
-      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: the difference in standard deviations of measurement and model error together' })];
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: measured minus model frequency, in standard deviations of the measurement and model errors together' })];
   }
   // Table of a damage run: the answer without each measured mode.
   function contributionsTable() {
@@ -242,7 +242,7 @@
     const rows = kinds.filter(([, m]) => m.probability_merged >= 0.005).flatMap(([kind, m]) => Object.entries(m.probability_of_count)
       .map(([n, p]) => [kind === null ? n : `${n} (${kind})`, { value: p, text: charts.probability(p) }]));
     return rows.length ? [element('h3', { class: 'apart' }, 'Neighbouring damages counted as one'),
-      copyable({ head: ['count', 'probability'], rows, caption: 'Damages that one longer damage explains equally well count as one' })] : [];
+      copyable({ head: ['count', 'probability'], rows, caption: 'If one longer damage explains the data as well as several adjacent damages, these damages count as one' })] : [];
   }
   // Models whose probability does not come from draws.
   function toldByEvidence() {
@@ -257,7 +257,7 @@
     const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: parallel tempering needs about this number of temperatures, and works better with twice as many.` : '';
     return [element('p', {}, d.ladder.while_drawing
       ? `The draws come from parallel tempering: replicas went ${trips} times from the prior to the posterior and back. With fewer than about ten round trips, each chain may explore a different region.${barrier}`
-      : `The run used tempering in warm-up only: the draws come from single chains at the posterior.${barrier}`)];
+      : `The run used tempering in warm-up only: the draws come from chains without tempering.${barrier}`)];
   }
   function runSections() {
     const d = summary.diagnostics;
@@ -288,7 +288,7 @@
     if (summary.structure?.drawing?.modes?.length) section('shapes', 'Mode shapes', null, shapeView(summary.structure, element));
 
     const folded = summary.damage?.folded;
-    section('fit', 'Data and model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the probability that data simulated from these models deviate from them at least as much as the measured data. Below 0.005, no model here explains the data.` : null,
+    section('fit', 'Data and model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the probability that data simulated from these models deviate from the models at least as much as the measured data do. Below 0.005, no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length && rows.every((r) => r && typeof r === 'object'));
@@ -314,7 +314,7 @@
     section('parameters', 'Parameters', 'Posterior and prior. A posterior that repeats its prior is not a result.', ...baselineTable(), ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
-    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of quantities that all models share, and of parameters within a model' }) : null;
+    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of the quantities that all models share, and of the parameters within each model' }) : null;
     section('sampling', 'Sampling', 'Converged chains look alike, have no trend and change often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
 
     section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);

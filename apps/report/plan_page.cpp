@@ -117,8 +117,8 @@ std::string drawing(const Report& plan) {
          "detectable damage\" viewBox=\"0 0 " +
          fixed(kWidth, 0) + " " + fixed(view.height(), 0) + "\">\n" + body + "</svg>\n" +
          "<p>Arrows: recommended sensors with their number and direction. Small points: other "
-         "candidates. Locations are darker if the test detects smaller damages there with "
-         "probability 0.9.</p>\n";
+         "candidates. The darker a location, the smaller the damage that the test detects there "
+         "with probability 0.9.</p>\n";
 }
 
 std::string polyline(const Plot& plot, const std::vector<std::pair<double, double>>& points,

@@ -31,7 +31,7 @@ void write_report(const std::filesystem::path& directory);
 
 /// Writes the figures of the report as SVG files into DIRECTORY/figures, by running the scripts of
 /// the report with Node.js. Returns the number of figures. Throws Failure (66) if `node` is not
-/// installed, and the exceptions of write_report.
+/// installed, and the same exceptions as write_report.
 int write_figures(const std::filesystem::path& directory);
 
 }  // namespace wheeltap::apps

@@ -35,9 +35,9 @@ std::string model_error_in_words(const DamageFindings& findings) {
   std::vector<std::string> list;
   const auto share = [](double x) { return significant(100.0 * x, 2); };
   for (const auto& [name, words] :
-       {std::pair{"discrepancy", "frequencies by "},
-        {"shape_discrepancy", "entries of shapes by "},
-        {"stiffness_discrepancy", "stiffnesses of the structure's parts by "}}) {
+       {std::pair{"discrepancy", "frequencies "},
+        {"shape_discrepancy", "components of mode shapes "},
+        {"stiffness_discrepancy", "stiffnesses of the structure's parts "}}) {
     const auto p = std::ranges::find(model->parameters, name,
                                      [](const ParameterFinding& f) { return f.unknown.name; });
     if (p == model->parameters.end()) continue;
@@ -45,7 +45,7 @@ std::string model_error_in_words(const DamageFindings& findings) {
     list.push_back(words + share(e.q50) + " % (" + share(e.q2_5) + " to " + share(e.q97_5) + ")");
   }
   if (list.empty()) return {};
-  return "Inferred error of the model: " + in_words(list) + ".";
+  return "Inferred standard deviation of the model error: " + in_words(list) + ".";
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace wheeltap::apps {
                                     const identification::DamageFindings& findings,
                                     const RunInfo& info);
 
-/// Returns an emulator's errors per count and mode: {"counts": {"1": {…}}}.
+/// Returns an emulator's errors per number of damages and mode: {"counts": {"1": {…}}}.
 [[nodiscard]] Report emulator_report(const identification::EmulatorFinding& emulator);
 
 }  // namespace wheeltap::apps

@@ -145,7 +145,7 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
   const auto& at = e.check->error_to_noise[static_cast<std::size_t>(e.check->worst_mode - 1)];
   page.wrapped(
       "Check of " + std::to_string(e.check->draws) + " draws with the FE solution: error up to " +
-          significant(at.rms, 2) + " of the noise (mode " + std::to_string(e.check->worst_mode) +
+          significant(at.rms, 2) + " times noise sd (mode " + std::to_string(e.check->worst_mode) +
           "), effective share of the weighted draws " + percent(e.check->effective_share) + ". " +
           (e.check->answer_moved() ? "The emulator error changed the results: see below."
                                    : "The emulator error did not change the results."),
@@ -200,7 +200,7 @@ void print_emulator(std::ostream& out, const EmulatorFinding& emulator, bool col
     const std::string damages = std::to_string(n) + (n == 1 ? " damage" : " damages");
     std::string worst;
     if (count.worst_mode > 0) {
-      worst = "RMSE up to " + significant(count.rmse_to_noise, 2) + " of the noise (mode " +
+      worst = "RMSE up to " + significant(count.rmse_to_noise, 2) + " times the noise sd (mode " +
               std::to_string(count.worst_mode) + "), single errors up to " +
               significant(count.largest_to_noise, 2);
     }
@@ -275,7 +275,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
   for (const ModelFinding& model : findings.models) {
     if (model.probability() < kWorthPrinting || !model.drawn()) continue;
     if (const Marginal* cv = model.find("cov")) {
-      out << "\nNoise (coefficient of variation) if " << model.name << ": "
+      out << "\nNoise (coefficient of variation of a frequency) if " << model.name << ": "
           << significant(cv->q50, 3) << ", 95 % "
           << damage_interval(*cv, [](double x) { return significant(x, 3); }) << '\n';
     }

@@ -12,8 +12,8 @@ namespace wheeltap::apps {
 
 /// Returns poles.json, with which the application lets the user choose poles: {"set_ups": [{"file",
 /// "sensors": [{"name", "node", "direction": unit vector or null}], "columns", "poles": [[order,
-/// frequency, …]], "shapes": [{"real", "imaginary"}]}]}. A set-up has no poles if its method has no
-/// diagram. Entries of shapes have four decimals and are in the quantities of their channels.
+/// frequency, …]], "shapes": [{"real", "imaginary"}]}]}. Methods without a stabilisation diagram
+/// give no poles. Entries of shapes have four decimals and are in the quantity of their channel.
 [[nodiscard]] Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const DrawColumn& k);
 
-/// Returns the name of the variable with an unknown in the group `posterior`: "location",
+/// Returns the name of the variable that stores an unknown in the group `posterior`: "location",
 /// "support_location", "cov".
 [[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
                                           const identification::Unknown& unknown);

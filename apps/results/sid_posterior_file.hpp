@@ -17,12 +17,12 @@ namespace wheeltap::apps {
 /// - posterior: one variable per parameter (chain, draw), NaN in draws of models without the
 ///   parameter; model: the number of the model.
 /// - sample_stats: as in posterior_file.hpp.
-/// - posterior_predictive: one variable per response (chain, draw, sample), plus noise with the
-///   seed `seed`, for the draws of `predictive`; draw_index gives the numbers of these draws.
-/// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % of the
-///   predictions of the same draws without noise.
-/// - link_paths: extension, rate and tension of each link (sample) in the motion of the
-///   most probable model's best draw, and the tension from the data
+/// - posterior_predictive: one variable per response (chain, draw, sample): predictions plus noise
+///   (seed `seed`) for the draws of `predictive`; draw_index has the numbers of these draws.
+/// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % quantiles of the
+///   predictions without noise, over the same draws.
+/// - link_paths: extension, rate and tension of each link (sample) of the most probable model at
+///   its draw with the highest posterior density, and the tension from the data
 ///   (identification/sid/findings/link_paths.hpp).
 /// - observed_data: one variable per response (sample) [SI], and time [s].
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.

@@ -57,7 +57,7 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
 void print_terms(const Page& page, const Discovery& discovery) {
   page.heading("Which terms?");
   std::vector<std::vector<std::string>> rows = {
-      {"term", "P(in)", "±", "a priori", "coefficients, if present: median (95 % interval)"}};
+      {"term", "P(in)", "±", "prior", "coefficients, if present: median (95 % interval)"}};
   for (const TermFinding& term : discovery.terms) {
     rows.push_back({term.label, percent(term.inclusion), significant(100.0 * term.mcse, 2) + " %",
                     percent(term.prior), coefficients_in_words(term)});

@@ -44,15 +44,15 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
 /// are not checked.
 [[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
                              const Report& summary);
-/// Returns the bytes of a file of a run; empty if the run has no such file. Throws the exceptions
-/// of `is_sealed`.
+/// Returns the bytes of a file of a run; empty if the run has no such file. Throws the same
+/// exceptions as `is_sealed`.
 [[nodiscard]] std::optional<std::string> sealed_file(const std::filesystem::path& folder,
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// Returns the text of the finished run in `folder`. The run must be complete and have the same
-/// case, contents of input files, seed and options (in /wheeltap/KEY). Throws io::FileError if a
-/// file does not belong to the run.
+/// Returns the text of the finished run in `folder`; empty unless the run is complete and has the
+/// same version, case, contents of input files, seed and options (in /wheeltap/KEY). Throws
+/// io::FileError if a file does not belong to the run.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
                                                       const CaseFile& file, std::uint64_t seed,
                                                       const std::string& key,

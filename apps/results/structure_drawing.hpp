@@ -32,7 +32,7 @@ struct NodeMotion {
 
 /// Returns legacy VTK polydata (The VTK User's Guide, "VTK file formats"): members as polylines and
 /// one vector field of displacements per mode, with a maximum of 1. Throws std::invalid_argument
-/// for a structure of matrices, which has no coordinates.
+/// for a structure given by matrices, which has no coordinates.
 [[nodiscard]] std::string vtk_text(const StructureDrawing& drawing,
                                    const fem::StructureModes& modes, const std::string& title);
 

@@ -22,10 +22,10 @@ struct RunInfo {
 /// "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
-/// Returns the results by windows as JSON. "mean", "sd", "q2.5", "q5", "q50", "q95" and "q97.5" are
-/// the prediction for a further window. "whole" has the same keys, for the value that the estimate
-/// approaches in long records. The other keys are "scatter", "use" ("windows" or "run") and
-/// "windows" (the value of each window).
+/// Returns the estimates of a parameter from windows as JSON. "mean", "sd", "q2.5", "q5", "q50",
+/// "q95" and "q97.5" describe the predictive distribution of a further window. "whole" has the same
+/// keys, for the value that the estimate approaches in long records. The other keys are "scatter",
+/// "use" ("windows" or "run") and "windows" (the value of each window).
 [[nodiscard]] Report json(const identification::BetweenWindows& between);
 
 /// Returns the parameter estimates as {label: estimate, …}, with "between_windows" if the case
@@ -47,13 +47,13 @@ struct RunInfo {
 [[nodiscard]] Report diagnostics(const identification::Findings& findings,
                                  const std::vector<std::string>& warnings);
 
-/// Returns the diagnosis of whether the models explain the data: {ok, r2, p, why}.
+/// Returns the verdict on whether the models explain the data: {ok, r2, p, why}.
 [[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
 /// Returns the evidences as JSON: {"tmcmc": [{"model", "log_evidence", "standard_error",
 /// "log_bayes_factor", "probability", …}, …], …}.
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
-/// Returns the data that are needed to repeat the run: version, command, seed, machine and case.
+/// Returns the data with which the run can be repeated: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
 
 /// Returns a description of processor and number of cores, without information that identifies a

@@ -137,7 +137,7 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
     page.out << "  and " << all.size() - models.size() << " other models, together "
              << percent(std::max(0.0, 1.0 - shown)) << '\n';
   }
-  page.out << "  (± is the Monte Carlo error of this run; a priori";
+  page.out << "  (± is the Monte Carlo error of this run; prior probabilities:";
   const bool alike =
       models.size() < all.size() && std::ranges::all_of(models, [&](const ModelFinding& m) {
         return m.prior == models.front().prior;

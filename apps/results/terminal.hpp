@@ -58,7 +58,7 @@ void print_models(const Page& page, const std::vector<identification::ModelFindi
 /// name of the model if the run has one model.
 void print_condition(const Page& page, const identification::ModelFinding& model, bool several);
 void print_evidence(const Page& page, const identification::Findings& findings);
-/// Prints warnings, cost and convergence; `what` names the objects that the models count.
+/// Prints warnings, cost and convergence; `what` names the items that the models count.
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
@@ -99,8 +99,8 @@ class ProgressBar {
   ~ProgressBar() { clear(); }
 
   /// Shows that `fraction` of `stage` is done, followed by `detail`. `left` is the remaining time
-  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage. Lines
-  /// of JSON also have `models`.
+  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage. In
+  /// JSON Lines output, each line also has the key "models" with `models`.
   void show(const std::string& stage, double fraction, const std::string& detail,
             std::optional<double> left = {}, const std::vector<ModelSoFar>& models = {});
   void clear();

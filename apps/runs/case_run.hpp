@@ -31,18 +31,18 @@ class CaseRun {
   /// The key of the requested options in /wheeltap of a summary.
   [[nodiscard]] virtual const char* options_key() const { return "options"; }
 
-  /// Returns memory and time of the run. If the cost is known only after prepare(), the result is
-  /// std::nullopt, and the function must be called again after prepare(). Throws Failure (65) if
-  /// the cost exceeds the limits in common().
+  /// Returns the estimated memory and time of the run. If the cost is known only after prepare(),
+  /// the result is std::nullopt, and the function must be called again after prepare(). Throws
+  /// Failure (65) if the cost exceeds the limits in common().
   virtual std::optional<RunCost> estimate() = 0;
-  /// Passes the estimated costs to CommonOptions::dry_run. `cost` is the result of estimate().
+  /// Passes the cost to the callback CommonOptions::dry_run. `cost` is the result of estimate().
   virtual void dry_run(const std::optional<RunCost>& cost, RunWatch& watch);
   /// Trains or opens the predictor of the case. Throws Failure, io::FileError, OutsideModelError.
   virtual void prepare(RunWatch& /*watch*/) {}
   /// Prints the results of the preparation.
   virtual void print_preparation() const {}
   /// Samples the posterior and diagnoses convergence. Returns std::nullopt on ranks other than the
-  /// first. Throws the exceptions of the watch.
+  /// first. Passes on every exception that `watch` throws.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
   /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.

@@ -26,7 +26,7 @@ struct CheckpointOf {
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
-/// fingerprints of its input files, state of a repeated sid run, checksums of the parts) and a
+/// fingerprints of its input files, time steps of a repeated sid run, checksums of the parts) and a
 /// group "state" (inference::Checkpoint). The file ends with 16 hexadecimal digits, the fingerprint
 /// of all previous bytes. If there are many draws, each file FOLDER/checkpoint-N.nc has a part of
 /// the draws in the same format, without "run".
@@ -54,9 +54,9 @@ class CheckpointFile {
     if (!seals_.empty())
       first_ = seals_.rbegin()->first + 1;  // the last checkpoint still needs its parts
   }
-  /// Sets the options of the engine so that the engine saves its checkpoints in this file. At the
-  /// first call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot
-  /// be written, the run continues, and a line on standard error reports the fault.
+  /// Sets the options of the engine so that it saves its checkpoints in this file. At the first
+  /// call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot be
+  /// written, the run continues, and a line on standard error reports the fault.
   void attach(inference::Options& engine);
   /// True if a checkpoint of this run exists.
   [[nodiscard]] bool kept() const { return kept_; }
@@ -79,7 +79,7 @@ class CheckpointFile {
   double every_seconds_;
   std::shared_ptr<const inference::Checkpoint> from_;
   std::optional<identification::StepsRefined> refined_;
-  std::map<long, std::string> seals_;  // seals of the parts of draws, by file number
+  std::map<long, std::string> seals_;  // checksums of the files of draws, by number
   long first_ = 0;                     // number of the file with the engine's part 0
   bool kept_ = false, warned_ = false;
 };

@@ -13,7 +13,7 @@
 namespace wheeltap::apps {
 
 struct ModesOptions {
-  std::optional<int> modes;  ///< number of modes, rigid-body modes included
+  std::optional<int> modes;  ///< number of modes, including rigid-body modes
   bool truth = false;        ///< true: include the damage of the case's truth
   bool json = false;
   bool shapes = false;        ///< add the mode shapes to the JSON output

@@ -20,8 +20,8 @@ struct MonitorRunOptions {
 
 /// Trains the baseline, or continues from FOLDER/state.nc if common.resume is set and the file
 /// exists. Processes all new rows. Writes summary.json, series.csv, state.nc, report.html and, with
-/// charts, charts.csv as one transaction. Throws Failure (65) if the case differs from the case of
-/// the state, or if processed rows have changed; io::FileError if a file cannot be read or written.
+/// charts, charts.csv as one transaction. Throws Failure (65) if the case differs from the case in
+/// state.nc, or if processed rows have changed; io::FileError if a file cannot be read or written.
 [[nodiscard]] MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common,
                                      const MonitorRunOptions& options = {});
 

@@ -19,14 +19,14 @@ struct PlanRun {
 };
 
 struct PlanRunOptions {
-  int scenarios = 100'000;  ///< number of simulated tests of the best designs
-  int checks = 10;          ///< number of simulated tests for the check by quick runs of the engine
-  /// Receives the stage and its completed fraction.
+  int scenarios = 100'000;  ///< number of simulated tests for the ten best designs
+  int checks = 10;          ///< number of simulated tests that quick runs of the engine analyse
+  /// Callback that receives the stage and its completed fraction.
   std::function<void(const char*, double)> progress = {};
 };
 
-/// Checks a case before its run. The next function, run_plan, makes the plan of the case.
-/// Both throw Failure.
+/// check_plan_case checks a case before its run. run_plan makes the plan of the case. Both throw
+/// Failure.
 void check_plan_case(const PlanCaseFile& parsed, int scenarios);
 
 [[nodiscard]] PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,

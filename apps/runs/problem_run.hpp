@@ -1,4 +1,4 @@
-// A run of a general problem: models, priors and a likelihood from a program (Python).
+// A run of a general problem: another program (Python) gives models, priors and a likelihood.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ struct ProblemFile {
 /// Parses a problem from JSON. Throws Failure.
 [[nodiscard]] ProblemFile parse_problem(CaseFile file);
 
-/// A parameter x whose probability u ~ U(0, 1) is sampled; `quantiles` replaces each u by x(u).
+/// A parameter x whose cumulative probability u is sampled; `quantiles` replaces u by x(u).
 struct QuantilePrior {
   std::string name;
   std::function<void(std::vector<double>& u)> quantiles;
@@ -29,7 +29,7 @@ struct QuantilePrior {
 
 /// Samples the posterior of a general problem and diagnoses convergence. The summary has "answer",
 /// "models", "parameters", "priors", "diagnostics" and "cost". `problem` has the model space of
-/// `parsed`. Throws the exceptions of the watch.
+/// `parsed`. Passes on every exception that `watch` throws.
 [[nodiscard]] FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                          const inference::Problem& problem,
                                          const CommonOptions& common,

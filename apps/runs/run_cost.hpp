@@ -14,8 +14,8 @@ namespace wheeltap::apps {
 /// each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
-/// Prints the estimate of a "run" or "table" on standard output. It is the callback
-/// CommonOptions::dry_run of a single case.
+/// Prints the estimated cost of a "run" or "table" on standard output. This function is
+/// CommonOptions::dry_run for a single case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
 /// Returns the estimate as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods",
@@ -28,17 +28,17 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
                         const CommonOptions& common);
 
 /// Throws io::FileError (unwritable) if the existing results folder has too little free space,
-/// unless --max-disk is given. The space of a checkpoint's files counts as free.
+/// unless --max-disk is given. The space of existing checkpoint files counts as free.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
-/// Returns the time for measuring the run time of a likelihood: 0.5 s with --dry-run, otherwise 0.1
-/// s.
+/// Returns the time [s] spent on measuring the time of a likelihood evaluation: 0.5 s with
+/// --dry-run, otherwise 0.1 s.
 [[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
   return common.dry_run ? 0.5 : 0.1;
 }
 
 /// Returns the largest size of the draws in memory [bytes]; a run stores further draws on disk.
-/// Without a folder, the result is infinity.
+/// Without a results folder and without --dry-run, the result is infinity.
 [[nodiscard]] double draws_in_memory(const CommonOptions& common);
 
 /// Returns the peak memory of this process so far [bytes].

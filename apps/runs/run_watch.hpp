@@ -1,4 +1,4 @@
-// Interface to the observer of a run: a terminal with log and checkpoints, or another program.
+// Interface of the observer of a run: a terminal with log and checkpoints, or another program.
 #pragma once
 
 #include <optional>
@@ -19,8 +19,8 @@ class RunWatch {
   /// Runs the engine. All returned chains have the same length.
   virtual inference::Posterior sample(const inference::Problem& problem,
                                       inference::Options options) = 0;
-  /// Reports the progress of work before sampling: the fraction `fraction` of `stage` is done. Call
-  /// `clear` at the end of the work. An exception from this function stops the work.
+  /// Reports the progress of the work before sampling: `fraction` of `stage` is done. Call `clear`
+  /// at the end of the work. An exception from this function stops the work.
   virtual void show(const char* stage, double fraction, const std::string& detail) = 0;
   virtual void clear() {}
   /// Shows a line to the user.

@@ -26,9 +26,9 @@ class CheckpointFile;
 /// Returns a log on standard error. With `quiet`, the log shows only warnings.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While an object of this class exists, Ctrl-C or another of base::kStopSignals stops the engine,
-/// and the run ends with the draws so far. SIGHUP stops the engine unless the signal was ignored at
-/// the start. A second signal after at least 1 s ends the program. A second signal within 1 s and
+/// While an object of this class exists, Ctrl-C or another signal of base::kStopSignals stops the
+/// engine, and the run ends with the draws so far. SIGHUP is ignored if it was ignored at the
+/// start. A second signal after at least 1 s ends the program. A second signal within 1 s and
 /// repeated SIGXCPU are ignored. The signal handlers remain installed after the first signal.
 class StopOnInterrupt {
  public:
@@ -42,8 +42,8 @@ class StopOnInterrupt {
   std::array<Handler, base::kStopSignals.size()> before_{};
 };
 
-/// Ignores SIGPIPE: if the reader of standard output ends, the program continues and writes its
-/// files.
+/// Ignores SIGPIPE: if the program that reads standard output ends, this program continues and
+/// writes its files.
 void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
@@ -56,10 +56,10 @@ void outlive_readers();
                                               const std::filesystem::path& case_path, bool quiet,
                                               CheckpointFile& checkpoint);
 
-/// Prints on standard error that --resume continues a stopped run.
+/// If the run was stopped and has a checkpoint, prints that --resume continues the run.
 void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped);
 
-/// Returns the evidence methods of a text such as "tmcmc+bridge"; the list is empty for "". Throws
+/// Parses a list of evidence methods such as "tmcmc+bridge"; the result is empty for "". Throws
 /// Failure (usage) for a method other than tmcmc, bridge and laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
@@ -75,7 +75,7 @@ class TerminalWatch : public RunWatch {
  public:
   /// `common` and `log` must outlive this object.
   TerminalWatch(const CommonOptions& common, spdlog::logger& log);
-  /// Sets the checkpoint file; call it before sample().
+  /// Sets the checkpoint file; call this function before sample().
   void keep(CheckpointFile& checkpoint) { checkpoint_ = &checkpoint; }
 
   inference::Posterior sample(const inference::Problem& problem,

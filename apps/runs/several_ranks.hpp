@@ -37,8 +37,8 @@ class JoinedRanks {
 /// machine): "the ranks do not have the same WHAT".
 void require_same_on_all_ranks(const std::string& what, const std::string& text);
 
-/// Throws Failure (64) if ranks run on different processors without --simd baseline, because
-/// results of library functions then differ in the last bit.
+/// Throws Failure (64) if ranks run on different processors without --simd baseline, because the
+/// results of library functions may then differ in the last bit.
 void require_equal_processors();
 
 /// Calls f on rank 0 only and returns its result on all ranks. If f throws, the other ranks throw

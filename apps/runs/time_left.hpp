@@ -9,17 +9,17 @@
 
 namespace wheeltap::apps {
 
-/// Extrapolates the time of the present stage from its time so far. For later stages, the estimate
-/// uses the time per likelihood evaluation, in this stage or in the whole run. It uses the shorter
-/// time, because a stage may have counted few evaluations so far.
+/// Extrapolates the time of the present stage from its elapsed time. For later stages, the estimate
+/// uses the shorter of two times per likelihood evaluation, in this stage and in the whole run,
+/// because this stage may have counted few evaluations so far.
 class TimeLeft {
  public:
-  /// `least_a_call` is a lower bound of the time of a likelihood evaluation in later stages [s]; 0
+  /// `least_a_call` is a lower bound [s] of the time per likelihood evaluation in later stages; 0
   /// if unknown.
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {
-    /// Share of the run time, seconds / (seconds + left); 0: unknown
+    /// Elapsed share of the run time, seconds / (seconds + left); 0: unknown
     double fraction = 0.0;
     std::optional<double> left;  ///< remaining time [s]
   };

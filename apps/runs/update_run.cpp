@@ -53,8 +53,8 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
       watch.warn("the emulator cannot predict " + mode + " (Q² " + fixed(holdout[m].q2, 2) +
                  "): use more runs or narrower priors");
     else if (i < noise.rows() && holdout[m].rmse > std::sqrt(noise(i, i)))
-      watch.warn("the emulator's error of " + mode + ", " + significant(holdout[m].rmse, 2) +
-                 " Hz, is above the noise, " + significant(std::sqrt(noise(i, i)), 2) +
+      watch.warn("the RMS emulator error of " + mode + ", " + significant(holdout[m].rmse, 2) +
+                 " Hz, is above the noise sd, " + significant(std::sqrt(noise(i, i)), 2) +
                  " Hz: use more runs");
   }
 }
@@ -77,7 +77,7 @@ void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& p
     if (near > kShare * all)
       watch.warn(
           space.parameter_name(0, p) +
-          " piles up at a bound of the emulator's box, four standard deviations of its prior: "
+          " piles up at a bound of the training domain, four standard deviations of the prior: "
           "widen the prior");
   }
 }

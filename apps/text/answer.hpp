@@ -22,16 +22,16 @@ struct Answer {
 /// Returns the reason why the results of a run are not reliable yet; empty if they are reliable.
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
-/// Returns the answer of a damage run. A count (a model) with a probability of at least 0.6 is
-/// "most likely". If all probabilities are below 0.6, the run is undecided, and the headline names
-/// all models with 10 % or more. A damage is "not located" if the 95 % interval of its location
-/// covers more than a quarter of the beam.
+/// Returns the answer of a damage run. A model (a number of damages) with a probability of at least
+/// 0.6 is "most likely". If no model reaches 0.6, the run is undecided, and the headline names all
+/// models with at least 10 %. A damage is "not located" if the 95 % credible interval of its
+/// location covers more than a quarter of the beam.
 [[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
                             const identification::DamageFindings& findings);
 
 /// Returns the most probable equation of motion.
 [[nodiscard]] Answer answer(const identification::Findings& findings);
-/// Returns the most probable equation of motion; for a discovery, the terms.
+/// Returns the most probable equation of motion or, if the case has terms to select, the terms.
 [[nodiscard]] Answer answer(const identification::SidFindings& findings);
 
 /// The result of one run of a sweep.

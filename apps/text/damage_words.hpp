@@ -11,12 +11,12 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string length_in_words(double metres);
 
 /// Returns "over 8 mm (one element)", "over 30 mm" or, for an inferred extent, "over 31 mm (18 to
-/// 45 mm)"; empty for defects without a length. `location` is the location on the line of the kind
-/// of defect [m].
+/// 45 mm)"; empty for defects without a length. `location` [m] is measured along the line of
+/// possible sites of the kind.
 [[nodiscard]] std::string extent_in_words(const identification::DefectKind& kind, double location,
                                           const identification::Marginal* extent);
 
-/// Returns "1 damage 98 % and 2 damages 2 %": the probabilities of the counts, with neighbouring
+/// Returns "1 damage 98 % and 2 damages 2 %": the probabilities of the counts, with adjacent
 /// damages counted as one damage.
 [[nodiscard]] std::string merged_counts_in_words(const identification::DefectKind& kind,
                                                  const identification::MergedFinding& merged);

@@ -62,7 +62,7 @@ struct Sentence {
         more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +
                        std::to_string(r.lag));
       if (std::isfinite(r.share_of_free))
-        more.push_back("a chain of masses with free cubic springs leaves " +
+        more.push_back("a chain of masses with free cubic springs leaves a residual of " +
                        significant(100.0 * r.share_of_free, 2) + " %");
       for (std::size_t i = 0; i < more.size(); ++i) text += (i == 0 ? " (" : "; ") + more[i];
       parts.push_back(text + (more.empty() ? "" : ")"));

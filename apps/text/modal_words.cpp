@@ -98,8 +98,8 @@ std::vector<std::string> record_in_words(const SetUp& set_up) {
   if (!text.empty()) out.push_back(text + ".");
   if (!set_up.orders.empty() && std::ranges::min(set_up.orders) != std::ranges::max(set_up.orders))
     out.emplace_back(
-        "Channels measure different quantities: Wheeltap converts each mode shape to the quantity "
-        "that is the highest time derivative, with the frequency and damping of the mode.");
+        "Channels measure different quantities. Wheeltap converts all entries of a shape to the "
+        "highest time derivative among them, by means of the mode's frequency and damping.");
   if (std::string words = sampling_in_words(set_up.sampling);
       !words.empty() && !set_up.sampling.doubtful_unit)
     out.push_back(std::move(words));
@@ -137,10 +137,10 @@ std::string rejected_poles_in_words(const signals::ModalResult& result) {
   for (std::size_t i = 0; i < of.poles.size(); ++i)
     if (!told[i]) ++(of.hard[i] ? alone : unknown);
   std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
-                    " poles in the band with a damping from -0.2 to 20 %, ";
+                    " poles in the band with a damping ratio from -0.2 to 20 %, ";
   if (unknown > 0)
     out += base::grouped(unknown) +
-           " were omitted because the sd of their frequency exceeds 5 %, and ";
+           " were omitted because the relative sd of their frequency exceeds 5 %, and ";
   return out + base::grouped(alone) +
          " were omitted because fewer than two other model orders have a similar pole.";
 }
@@ -171,7 +171,7 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " Hz between spectral lines. Modes are peaks of the first singular value.");
     if (result.method == signals::ModalMethod::enhanced)
       out.push_back(
-          "Frequency and damping are fitted to the decay of the spectral lines about each peak. "
+          "Frequency and damping are fitted to the time-domain decay of the lines about each peak. "
           "Standard deviations are computed from " +
           std::to_string(result.blocks) +
           " parts of the record and do not include bias: damping is wrong if another mode or a "
@@ -221,7 +221,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   if (const int n = result.remarks.narrow; n > 0)
     out.push_back(
         std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
-        " narrower than the frequency spacing: the damping then depends on the fit alone and is "
+        " narrower than the frequency resolution: the damping then relies on the fit alone and is "
         "valid only if no window function has broadened the peaks of the frequency response "
         "functions.");
   if (const int n = result.remarks.moved; n > 0)
@@ -237,7 +237,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
   if (const int n = result.remarks.longer_decays; n > 0)
     out.push_back("Blocks of " + significant(result.block_seconds, 3) +
-                  " s are shorter than the decay 1 / (ζω) of " + std::to_string(n) +
+                  " s are shorter than the decay time 1 / (ζω) of " + std::to_string(n) +
                   (n == 1 ? " mode: its" : " modes: their") +
                   " standard deviations are less accurate. Use a longer record.");
   if (result.remarks.order_cut > 0)
@@ -254,7 +254,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
                   "individual standard deviations are valid.");
   if (result.references.size() == 1 && result.modes.size() > 1)
     out.emplace_back(
-        "There is only one reference sensor: modes with little motion at this sensor are missing, "
+        "There is only one reference sensor: modes with little motion there may be missing, "
         "and two "
         "modes with the same frequency appear as one mode.");
   return out;
@@ -298,8 +298,8 @@ std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedMo
 std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups) {
   const std::size_t references = merged.references.size();
   return std::to_string(set_ups) +
-         " set-ups were identified separately and their modes merged: frequencies and damping as "
-         "weighted means, shapes by the " +
+         " set-ups were identified separately. Merged frequencies and damping ratios are "
+         "weighted means; shapes are merged by the " +
          (references == 1 ? std::string("one sensor") : std::to_string(references) + " sensors") +
          " common to all set-ups.";
 }

@@ -13,8 +13,8 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::Mode& mode);
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::MergedMode& mode);
 
-/// Returns the number of model orders with the mode: "31 of 32", or "-" for methods without model
-/// orders.
+/// Returns the number of model orders in which the mode appears: "31 of 32", or "-" for methods
+/// without model orders.
 [[nodiscard]] std::string orders_in_words(int present, int orders);
 
 /// Returns the reason why a cluster of poles is not a mode, as a clause.
@@ -42,8 +42,8 @@ namespace wheeltap::apps {
 /// Returns a sentence on the method by which set-ups were merged.
 [[nodiscard]] std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups);
 
-/// Returns a value with its standard deviation, "1.2284 ± 0.0012", with two digits of the standard
-/// deviation; "-" for NaN.
+/// Returns a value with its standard deviation, "1.2284 ± 0.0012", with two significant digits of
+/// the standard deviation; "-" for NaN.
 [[nodiscard]] std::string with_sd(double x, double sd);
 
 }  // namespace wheeltap::apps

@@ -115,8 +115,8 @@ class Speaker {
            " hides the effect of any damage: the largest damage that the prior allows shifts a "
            "frequency by " +
            significant(r.effect, 2) +
-           " of its noise. Frequencies are commonly known to 0.01 to 1 % (\"cov\": 0.0001 to "
-           "0.01); is the stated number in per cent?";
+           " standard deviations of its noise. Frequencies are commonly known to 0.01 to 1 % "
+           "(\"cov\": 0.0001 to 0.01); is the stated number in per cent?";
   }
   std::string operator()(const remark::MirrorImages& r) const {
     return symmetry_statement(r.emulated) +
@@ -144,7 +144,7 @@ class Speaker {
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
     return "The data do not distinguish between these locations: " + in_words(list, "or") +
            ". One of these locations is damaged (" + probability_is(std::min(sum, 1.0)) +
-           "), two of them very rarely. To distinguish the locations, measure mode shapes or more "
+           "), very rarely more than one. To distinguish them, measure mode shapes or more "
            "modes, or "
            "inspect these locations.";
   }
@@ -211,14 +211,14 @@ class Speaker {
     const EmulatorCheck& check = *found.emulator->check;
     const auto& worst = check.error_to_noise[static_cast<std::size_t>(check.worst_mode - 1)];
     const std::string ending = "At these draws, the largest emulator error is " +
-                               significant(worst.rms, 2) + " times the noise, in mode " +
+                               significant(worst.rms, 2) + " times the sd of the noise, in mode " +
                                std::to_string(check.worst_mode) +
                                ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a "
                                "better emulator (docs/emulators.md).";
     if (!check.conclusive) {
       return "The emulator error changed the results by more than these draws can measure: of " +
              std::to_string(check.draws) +
-             " draws checked with the FE solution, the number of effective draws is only about " +
+             " draws checked with the FE solution, the effective sample size is only about " +
              rounded_count(std::max(1.0, check.effective_share * check.draws)) + ". " + ending;
     }
     std::string text;
@@ -323,12 +323,12 @@ class Speaker {
     return "Under \"" + r.model +
            "\", time steps a quarter as long change the response of the best draw by " +
            significant(r.error, 2) +
-           " times the noise (root of the sum of squares): the time steps alone may shift "
+           " times the noise sd (norm over all samples): the time steps alone may shift "
            "parameters "
            "by up to " +
            significant(r.error, 2) + " standard deviations. " +
            (r.fixed ? "Remove \"integration\" from the case, so that Wheeltap repeats the run with "
-                      "smaller time steps, or lower its \"step_limit\"."
+                      "smaller time steps, or lower \"step_limit\" in \"integration\"."
                     : "Wheeltap repeats a complete run with smaller time steps, at most twice. For "
                       "shorter time steps, lower \"step_limit\" in \"integration\".");
   }
@@ -351,7 +351,7 @@ class Speaker {
       off += (off.empty() ? "\"" : ", \"") + channel.name + "\" by a factor of " +
              significant(channel.factor, 3);
     }
-    return "Under \"" + r.model + "\", the residuals differ from the stated noise: " + off +
+    return "Under \"" + r.model + "\", the RMS residuals differ from the stated noise: " + off +
            ". Either the stated noise is wrong (make it a parameter), or no model here explains "
            "the record.";
   }
@@ -365,13 +365,12 @@ class Speaker {
     }
     return "Under \"" + r.model + "\", the residuals are not white: " + coloured + ". " +
            (!r.residual_model.empty()
-                ? "The " + r.residual_model +
-                      " does not represent all of the correlation: " + r.remedy +
-                      (r.remedy.empty() ? "" : ", or ") + "add a model that explains more."
+                ? "The " + r.residual_model + " does not represent all of their correlation: " +
+                      r.remedy + (r.remedy.empty() ? "" : ", or ") + "add a model that fits better."
                 : "The likelihood assumes independent residuals, so that probabilities are too "
                   "extreme and intervals too narrow; add \"residuals\": {\"" +
                       std::string(residual_kinds().front()->key) +
-                      "\": \"auto\"} to the case, or a model that explains more.") +
+                      "\": \"auto\"} to the case, or a model that fits better.") +
            (r.others.empty()       ? ""
             : r.others.size() == 1 ? " Under \"" + r.others[0] + "\", the residuals are similar."
                                    : " Under " + std::to_string(r.others.size()) +

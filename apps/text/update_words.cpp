@@ -157,7 +157,7 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
     if (p.misses())
       out.push_back("Held-out mode " + std::to_string(p.mode) +
                     (p.state.empty() ? "" : " of " + p.state) + " was measured at " +
-                    significant(*p.measured_hz, 5) + " Hz, outside the predicted band, " +
+                    significant(*p.measured_hz, 5) + " Hz, outside the prediction interval, " +
                     significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
                     " Hz: the model is inaccurate in this range, even if it fits the other modes.");
   return out;
@@ -247,11 +247,11 @@ std::vector<std::string> update_warnings(const UpdateFindings& findings) {
   for (const ModeFinding& m : findings.modes)
     if (std::string one = matched_in_words(m); !one.empty()) elsewhere.push_back(std::move(one));
   if (!elsewhere.empty())
-    out.push_back("By shape and frequency, " + in_words(elsewhere) +
+    out.push_back("Matched by shape and frequency, " + in_words(elsewhere) +
                   ": data and model have their modes in different orders.");
   for (const PredictedMode& p : findings.predictions)
     if (p.useless())
-      out.push_back("The predicted band of mode " + std::to_string(p.mode) + ", " +
+      out.push_back("The prediction interval of mode " + std::to_string(p.mode) + ", " +
                     significant(p.low_hz, 3) + " to " + significant(p.high_hz, 3) +
                     " Hz, is too wide to be useful.");
   return out;

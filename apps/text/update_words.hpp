@@ -9,7 +9,7 @@
 
 namespace wheeltap::apps {
 
-/// Returns the information in the data about the parameters, in two sentences.
+/// Returns two sentences on the information that the data contain about the parameters.
 [[nodiscard]] Answer answer(const identification::UpdateFindings& findings);
 
 /// Returns the reasons why the structure does not explain the measured modes; empty if the

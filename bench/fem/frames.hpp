@@ -1,4 +1,4 @@
-// The plane frames that the benchmarks solve.
+// The plane frames of the benchmarks.
 #pragma once
 
 #include "fem/structures/structure.hpp"
@@ -6,7 +6,7 @@
 namespace wheeltap::bench {
 
 /// Returns a frame with storeys of 3 m and bays of 5 m, clamped at its feet. Each storey is shifted
-/// by 0.1 m. Posts have `of_posts` and beams `of_beams` elements each.
+/// horizontally by 0.1 m. Each post has `of_posts` elements, each beam `of_beams`.
 inline fem::Structure frame(int storeys, int bays, int of_posts, int of_beams) {
   using namespace fem;
   const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};

@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for the i-th force law (i = 0, 1, …) among the
-/// springs beyond a threshold.
+/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
+/// threshold; i = 0, 1, … numbers these laws.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;
@@ -31,11 +31,11 @@ WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
 struct AnyLaw {};
 
 /// The equation of motion z̈ = drive + M⁻¹ pull, with drive = F / m - ÿ_base. `pull` is the sum of
-/// the tensions on a mass. friction.hpp adds exact friction.
+/// the link tensions on a mass. friction.hpp adds exact friction.
 ///
-/// N is the number of masses, or 0 if task.masses gives it. kSerial is true if link i joins masses
-/// i and i + 1. If all force laws of the chain have the same type, OnlyLaw is this type, and the
-/// code selects no force law at run time. Otherwise OnlyLaw is AnyLaw.
+/// N is the number of masses; for N = 0, task.masses gives the number. kSerial is true if link i
+/// joins masses i and i + 1. If all force laws of the chain have the same type, OnlyLaw is this
+/// type, so that no force law is selected at run time. Otherwise OnlyLaw is AnyLaw.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:

@@ -150,8 +150,8 @@ class Exact {
     multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
     for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
 
-    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. For the shortened step, B is
-    // multiplied by `factor`.
+    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. For the time step shortened by
+    // halving, B is multiplied by `factor`.
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < j; ++c) {
         V first{}, second{};
@@ -177,8 +177,8 @@ class Exact {
     for (int i = 0; i < n * j; ++i) gain_[i] += gamma0_[i];
   }
 
-  /// Computes the rows and feeds of the sensors. The signal of sensor i is rows · w + feed · u. For
-  /// sensors other than accelerometers, `rows` has one nonzero entry.
+  /// Computes the output matrices of the sensors. The signal of sensor i is rows · w + feed · u.
+  /// For sensors other than accelerometers, `rows` has one nonzero entry.
   void observe() {
     const int m = masses(), n = order(), j = inputs_;
     const double h = task_.step;

@@ -9,8 +9,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Exact dry friction of links. Between two events, every link with friction either slips, T = ±F,
 /// or sticks. The tension of a sticking link is the Lagrange multiplier of ė = 0. ë₀ denotes the
-/// accelerations of the extensions without friction, and B the signs of the masses in the
-/// extensions (-1 at a, +1 at b). Then
+/// accelerations of the extensions without friction, and B contains the signs of the displacements
+/// in the extensions (-1 at a, +1 at b). Then
 ///
 ///   ë = ë₀ - G T,   G = B M⁻¹ Bᵀ,   so that   G_ss T_s = ë₀_s - G_sg T_g
 ///
@@ -21,19 +21,19 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 ///
 /// (Glocker 2001, Set-Valued Force Laws, chapter 5). The solution T is unique if G is positive
 /// definite. The solver repeatedly changes the state of the first link that violates its condition,
-/// until all links satisfy their conditions. Least-index pivoting ends after finitely many changes
-/// (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking links,
-/// G is singular and the tensions are not unique. The links with the lowest numbers then carry the
-/// force.
+/// until all links satisfy their conditions. This least-index pivoting ends after finitely many
+/// changes (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking
+/// links, G is singular and the tensions are not unique. The links with the lowest numbers then
+/// carry the force.
 ///
-/// Links between the same two masses stick and slip together. The result of a lane does not depend
-/// on the other lanes.
+/// Links between the same two masses stick and slip together. The result of a SIMD lane does not
+/// depend on the other lanes.
 template <int N>
 class Friction {
  public:
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
 
-  /// Accelerations are multiplied by `unit`, the square of the unit of time [s²].
+  /// All accelerations are multiplied by `unit`, the square of the unit of time [s²].
   Friction(const Task& task, double unit) : size_(task.frictions) {
     if (size_ == 0) return;
     const V* c = vectors(task.coefficients);
@@ -65,7 +65,7 @@ class Friction {
   /// closes, 0 if it sticks.
   [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
-  /// Returns the change of ë of link f per unit of its tension.
+  /// Returns the magnitude of the change of ë of link f per unit of the link's tension.
   [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
   /// True if any link sticks in any lane.
   [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
@@ -73,9 +73,9 @@ class Friction {
   /// velocities.
   [[nodiscard]] WHEELTAP_INLINE V across(int f, const V* x) const { return x[b_[f]] - x[a_[f]]; }
 
-  /// Computes the friction tensions for `acceleration` without friction, and adds the effect of the
-  /// tensions to `acceleration`. If `slipping` is false (for higher terms of a series), slipping
-  /// links have no tension.
+  /// Computes the friction tensions from `acceleration`, which excludes friction, then adds the
+  /// effect of the tensions to `acceleration`. If `slipping` is false (for higher terms of a
+  /// series), slipping links have no tension.
   WHEELTAP_INLINE void pull(bool slipping, V* acceleration, V* tension) const {
     for (int f = 0; f < size_; ++f) {
       tension[f] = slipping ? state_[f] * force_[f] : V{};
@@ -91,8 +91,8 @@ class Friction {
     }
   }
 
-  /// Determines the stick-slip states for these velocities and accelerations without friction.
-  /// Links with ė = 0 stick if the conditions allow it.
+  /// Determines the stick-slip states for the velocities `v` and the accelerations `free` without
+  /// friction. A link with ė = 0 sticks if |T| < F is possible.
   void start(V* v, const V* free) {
     V at_rest[kMaxFrictions] = {};
     for (int f = 0; f < size_; ++f) {
@@ -103,14 +103,14 @@ class Friction {
     settle(at_rest, v, free);
   }
 
-  /// Changes the slipping link f to stick in the lanes of `stop`.
+  /// Changes the slipping link f to stick in the lanes with `stop` > 0.
   WHEELTAP_INLINE void stop(int f, V stop) { state_[f] = stop > 0.0 ? V{} : state_[f]; }
-  /// Changes link f to slip on the side `side`, in the lanes with nonzero `side`. Does not update
-  /// the factorisation.
+  /// Changes link f to slip in the direction `side` (±1), in the lanes with nonzero `side`. Does
+  /// not update the factorisation.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
-  /// Determines the state of the links at rest from the accelerations without friction. Also
-  /// removes the residual rates of sticking links from the velocities.
+  /// Determines the state of the links at rest from the accelerations `free` without friction. Also
+  /// removes the residual rates of extension of sticking links from the velocities.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();
@@ -140,7 +140,7 @@ class Friction {
     for (int f = 0; f < size_; ++f) push(f, impulse[f], v);
   }
 
-  /// Factorises G for `pull` with the current stick-slip states.
+  /// Factorises G_ss, the part of G for the sticking links, for use by `pull`.
   void factor() {
     sticking_ = false;
     for (int f = 0; f < size_; ++f) {
@@ -162,7 +162,7 @@ class Friction {
 
  private:
   static constexpr int kMostChanges = 64;
-  /// Tolerance of the conditions, relative to a force or an acceleration.
+  /// Relative tolerance of the stick-slip conditions on tensions and accelerations.
   static constexpr double kTolerance = 1e-10;
   static constexpr double kSingular = 1e-12;
 

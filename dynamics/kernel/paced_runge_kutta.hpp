@@ -11,12 +11,12 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// (LawInfo::paced). No constant time step is suitable both near rest and in fast motion. Let s be
 /// the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum over the links of
 /// (rate per unit of speed) · (|ë| + largest change of the drive within a step). A time step τ is
-/// at most the time step of task.substeps and satisfies
+/// at most the sample interval divided by task.substeps, and satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
-/// The steps of a lane depend only on the state of this lane. If a link with exact friction comes
-/// to rest or breaks away within a step, the step ends at this time.
+/// The time steps of a SIMD lane depend only on the state of this lane. If a link with exact
+/// friction comes to rest or breaks away within a step, the step ends at this time.
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -77,15 +77,15 @@ class PacedRungeKutta {
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Product of rate and step above which the scheme counts as unstable (exact limit on the real
-  /// axis: 2.79).
+  /// Product of rate and time step above which the scheme counts as unstable (exact limit on the
+  /// negative real axis: 2.79).
   static constexpr double kUnstable = 2.5;
-  /// Largest number of friction events in a sample. After this number, links keep their state (slip
-  /// or stick) until the end of the sample.
+  /// Largest number of friction events in a sample interval. After this number, links keep their
+  /// state (slip or stick) until the end of the interval.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
-  static constexpr double kAtTurn = 1e-3;  // fraction of a time step
+  static constexpr double kAtTurn = 1e-3;  // smallest distance of a turn from a step's ends [steps]
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -139,7 +139,7 @@ class PacedRungeKutta {
     V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample interval
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
-        V fast{};  // 1 if a motion exceeds the bound within a sample: smaller steps cannot help
+        V fast{};  // 1 if a motion exceeds the bound: shorter steps would not help
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i)
           fast = lanes::max(fast, outside(x.v[i] * task_.step, task_.bound));
@@ -241,9 +241,9 @@ class PacedRungeKutta {
     return true;
   }
 
-  /// Reduces `share` to the zero of a parabola. The parabola has the value `from` and the slope
-  /// `slope` at the start of the step, and the value `to` at its end. If the zero is at the start
-  /// of the step, the step keeps a positive length.
+  /// Reduces `share`, a fraction of the step, to the zero of a parabola. The parabola has the value
+  /// `from` and the slope `slope` at the start of the step, and the value `to` at its end. If the
+  /// zero is at the start of the step, the step keeps a positive length.
   WHEELTAP_INLINE static void first_zero(V from, V slope, V to, V& share) {
     V root = slope * slope - 4.0 * (to - from - slope) * from;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
@@ -252,8 +252,8 @@ class PacedRungeKutta {
     share = from * to < 0.0 && at < share && at > kAtTurn ? at : share;
   }
 
-  /// Computes the distance of each link with friction from its next event, in units of a speed; the
-  /// distance is negative after the event. Returns the smallest distance.
+  /// Computes the margin [m/s] of each link with friction to its next event; the margin is negative
+  /// after the event. Returns the smallest margin.
   [[gnu::noinline]] V margins(const State& x, V time, const V* now, const V* next,
                               V* margin) const {
     V tension[kMaxFrictions], drive[M], least = V{} + 1e300;
@@ -354,7 +354,7 @@ class PacedRungeKutta {
     V root = task_.pace * growth;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane) root[lane] = __builtin_sqrt(root[lane]);
     const V length = task_.pace / ((rate + root) * task_.step);
-    const V chosen = length < longest ? length : longest;  // the longest step if NaN (0/0)
+    const V chosen = length < longest ? length : longest;  // `longest` if `length` is NaN (0/0)
     watch.mark_long_steps(rate * chosen * task_.step > kUnstable ? V{} + 1.0 : V{});
     return chosen;
   }

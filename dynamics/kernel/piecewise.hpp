@@ -11,8 +11,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// is linear between two switches. A sample interval without a switch uses the exact solution of
 /// the current regime. An interval with a switch uses Taylor series. A switch is detected by the
 /// sign of e - threshold at the end of the interval, or if the tangents of e - threshold at both
-/// ends cross zero. If the sample interval is long relative to the shortest period, all samples use
-/// Taylor series.
+/// ends cross zero. If the sample interval is long relative to the shortest natural period, all
+/// samples use Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -83,7 +83,7 @@ class Piecewise : private Exact<N> {
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
   [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
 
-  /// Computes side · e - threshold, and the increase of this value in a time step.
+  /// `level` computes side · e - threshold; `rate` computes its increase per time step.
   WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
     return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
   }
@@ -92,8 +92,8 @@ class Piecewise : private Exact<N> {
   }
   WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
 
-  /// Returns the table of the current regime of `series_`. If lanes are in different regimes, the
-  /// result combines the tables of these regimes lane by lane.
+  /// Returns the table of the exact solution in the current regime of `series_`. If lanes are in
+  /// different regimes, the result combines the tables of these regimes lane by lane.
   [[gnu::noinline]] const Table* choose() {
     unsigned regime[WHEELTAP_LANES];
     bool same = true;

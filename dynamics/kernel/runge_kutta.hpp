@@ -6,7 +6,7 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The classical fourth-order scheme with task.substeps equal time steps per sample, for force laws
-/// without memory,
+/// without memory. Its Butcher tableau:
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -86,8 +86,8 @@ class RungeKutta {
     for (int s = 0; s < steps; ++s) {
       // k_j = (velocity, acceleration a_j) at stage j. The velocities of the stages are v, v + h/2
       // a1, v + h/2 a2, v + h a3, so y increases by h v + h²/6 (a1 + a2 + a3). The operations of a
-      // stage depend on each other. The sum that is known before the forces of the stage, v + h
-      // drive / 2, is therefore computed first.
+      // stage depend on each other. The partial sum v + h drive / 2, which is known before the
+      // forces of the stage, is therefore computed first.
       V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
       yi[0] = vi[0] = vn[0] = V{};
 
@@ -106,7 +106,7 @@ class RungeKutta {
       }
       if (s == 0 && seen(a1)) return;
 
-      // k2, in the middle after half a step of k1
+      // k2, at the middle of the step: half a step with the rates k1
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive[i] += slope[i];

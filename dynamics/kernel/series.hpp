@@ -9,11 +9,11 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Integrates chains by Taylor series in time, for springs whose tension is a polynomial or is
 /// linear beyond a threshold. The solution between two samples is analytic except where a force law
-/// switches. Each sample interval is divided into segments with one series each. A segment ends
-/// after its full length, or earlier when the first force law reaches its threshold. A step across
-/// a switch would have an error of second order in the step length. This error would depend on the
-/// position of the switch and make the likelihood discontinuous. Exact friction adds events: a
-/// slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
+/// switches. Each sample interval is divided into segments, with one series for each segment. A
+/// segment ends after its full length, or earlier when the first force law reaches its threshold. A
+/// step across a switch would have an error of second order in the step length. This error would
+/// depend on the position of the switch and make the likelihood discontinuous. Exact friction adds
+/// events: a slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -199,9 +199,9 @@ class Series {
   /// that switches repeatedly at its threshold keeps its state.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
-  /// Tolerance of switching times for springs and for friction. The tension of a spring is
-  /// continuous at its threshold, so the error of the response is quadratic in the error of the
-  /// switching time. The tension of friction jumps.
+  /// Tolerances of switching times [sample intervals], for springs and for friction. The tension of
+  /// a spring is continuous at its threshold, so the error of the response is quadratic in the
+  /// error of the switching time. Friction tension is discontinuous, so its tolerance is smaller.
   static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;
@@ -295,8 +295,8 @@ class Series {
       acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
   }
 
-  /// Returns the first time in [0, length] at which link f changes between stick and slip, or 2 if
-  /// the state does not change. Writes to `side` the side to which the link breaks away.
+  /// Returns the first time in [0, length], length <= 1 sample interval, at which link f changes
+  /// between stick and slip; 2: no change. Writes to `side` the side to which the link breaks away.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);
@@ -356,10 +356,10 @@ class Series {
     }
   }
 
-  /// Returns the first time in [0, length] at which force law i switches, that is at which sign ·
-  /// (side · e - threshold) becomes negative. Returns 2 if the force law does not switch. If the
-  /// force law has just switched, the polynomial has a root at the start; this root is divided out
-  /// of the polynomial.
+  /// Returns the first time in [0, length], length <= 1 sample interval, at which force law i
+  /// switches, that is, at which sign · (side · e - threshold) becomes negative; 2: no switch. If
+  /// the force law has just switched, the polynomial has a root at the start; this root is divided
+  /// out of the polynomial.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -378,8 +378,8 @@ class Series {
     for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
   }
 
-  /// Returns the first time in [0, length] at which g becomes negative, or 2 if g does not become
-  /// negative.
+  /// Returns the first time in [0, length], length <= 1 sample interval, at which g becomes
+  /// negative, or 2 if g does not become negative.
   WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
     const int degree = task_.degree;
     V falls[kMaxDegree + 1] = {};

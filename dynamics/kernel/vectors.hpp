@@ -33,7 +33,7 @@ WHEELTAP_INLINE bool any(V mask) {
   return false;
 }
 
-/// Returns 1 in every lane with |x| above the bound or with NaN, else 0.
+/// Returns 1 in every lane in which |x| exceeds the bound or x is NaN, else 0.
 WHEELTAP_INLINE V outside(V x, double bound) {
   return lanes::abs(x) <= bound ? V{} : V{} + 1.0;
 }

@@ -12,15 +12,15 @@ struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",
       .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
-      .description = "a spring on one side only, e.g. a crack that transmits force if closed",
+      .description = "a spring for one sign of e, e.g. a crack that transmits force if closed",
       .notes =
-          "The link's own `stiffness` acts on both sides; the stiffness of this law is added "
-          "on one side. A negative value makes the spring softer on that side.",
+          "The key `stiffness` of the link acts for both signs of e. This law adds the stiffness "
+          "kb for one sign of e. A negative kb makes the link softer for this sign.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
                          .symbol = "kb",
-                         .words = "the stiffness added on one side",
+                         .words = "the stiffness added for one sign of e",
                          .example = 1500.0}}},
       .one_sided = true};
 

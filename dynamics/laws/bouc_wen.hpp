@@ -21,12 +21,12 @@ struct BoucWen {
       .description =
           "smooth hysteresis, elastic with stiffness kh before the link yields at about e = y",
       .notes =
-          "z is an internal state, so the tension depends on the history of the link. With beta + "
-          "gamma = 1, as by default, the plateau is T = kh y. With beta = gamma, the link unloads "
-          "with the stiffness kh, like dry friction in series with a spring; with beta > gamma, "
-          "the link unloads more steeply. beta + gamma must be positive. The loop dissipates "
-          "energy for "
-          "-beta <= gamma <= beta.",
+          "The hysteretic variable z depends on the history of the motion. With beta + gamma = 1 "
+          "(default), |T| approaches kh y after yielding. With beta = gamma, the link unloads with "
+          "the stiffness kh, like dry friction in series with a spring. With beta > gamma, the "
+          "link "
+          "unloads with a higher stiffness than kh. The sum beta + gamma must be positive. The "
+          "hysteresis loop dissipates energy for -beta <= gamma <= beta.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
@@ -46,7 +46,7 @@ struct BoucWen {
                          .otherwise = 1.0,
                          .lower = 1.0,
                          .symbol = "n",
-                         .words = "the sharpness of yielding: 1 is gradual, 10 nearly a corner"},
+                         .words = "yielding is gradual for n = 1, and almost sudden for n = 10"},
                         {.name = "beta",
                          .unit = "1",
                          .otherwise = 0.5,
@@ -56,7 +56,7 @@ struct BoucWen {
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "gamma",
-                         .words = "the coefficient of the term without a sign"}}},
+                         .words = "the coefficient of the term without sgn(ė z)"}}},
       .memory = true,
       .paced = true};
 

@@ -15,11 +15,11 @@ struct Contact {
       .formula = "opening: T = kc max(0, e - g); closing: T = kc min(0, e + g)",
       .description = "a stop that acts after a gap g (backlash)",
       .notes =
-          "A list of two contacts, one for each side, forms a gap between two stops: "
+          "A list of two contacts, one for each side, describes a gap between two stops: "
           "`[{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"opening\"}, "
           "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is measured "
-          "from e = 0, and the force has no jump. If the motion never reaches the stop, the record "
-          "shows only that the gap is larger than the motion.",
+          "from e = 0, and the force is continuous. If the link never reaches the stop, the record "
+          "shows only that the gap is larger than the largest extension towards the stop.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
@@ -31,7 +31,7 @@ struct Contact {
                          .role = {LawRole::Kind::extension},
                          .lower = 0.0,
                          .symbol = "g",
-                         .words = "the distance to the stop",
+                         .words = "the distance from e = 0 to the stop",
                          .example = 0.004}}},
       .one_sided = true};
 

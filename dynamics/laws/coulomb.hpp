@@ -11,25 +11,25 @@ namespace wheeltap::dynamics::laws {
 ///
 /// T = F sgn(ė) in slip; in stick |T| <= F, and T has the value that keeps ė = 0.
 ///
-/// The integrators locate the transitions in time (kernel/friction.hpp). If the creep speed v is >
-/// 0 or a parameter, the law is regularised:
+/// The integrators locate the times of the transitions (kernel/friction.hpp). If the creep speed v
+/// is > 0 or a parameter, the law is regularised:
 ///
 ///   T = F tanh(ė / v).
 ///
-/// For |ė| < v, the regularised law is a viscous damper F/v, so that the link creeps instead of
-/// sticking. A small v requires small time steps.
+/// For |ė| < v, the regularised law acts like a viscous damper F/v, so that the link creeps instead
+/// of sticking. A small v requires small time steps.
 struct Coulomb {
   static constexpr LawInfo kInfo{
       .name = "coulomb",
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
-          "A number or name alone is the force F of the exact law. In stick, the tension takes the "
-          "value between -F and F that keeps ė = 0. Wheeltap locates each transition in time. A "
-          "`velocity` v regularises the law: for |ė| < v, the law is a damper F/v, so that the "
-          "link "
-          "creeps where it should stick. A small v requires small time steps. Use `velocity` only "
-          "to reproduce work with the regularised law.",
+          "A number or name in place of the object is the force F of the exact law. In stick, the "
+          "tension takes the value between -F and F that keeps ė = 0. Wheeltap computes the time "
+          "of each change between stick and slip. A `velocity` v regularises the law. For |ė| < v, "
+          "the law is then nearly a damper F/v, so that the link creeps instead of sticking. A "
+          "small v requires small time steps. Use `velocity` only to reproduce results that were "
+          "computed with the regularised law.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
                          .role = factor_of(0),
@@ -42,7 +42,7 @@ struct Coulomb {
                          .otherwise = 0.0,
                          .lower = 0.0,
                          .symbol = "v",
-                         .words = "the speed of the regularisation; 0 is exact",
+                         .words = "the velocity v of the regularised law; 0: exact law",
                          .example = 0.01}}}};
   static constexpr int kCreep = 1;
 

@@ -6,16 +6,16 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Cubic spring T = k₃ e³ (Duffing). The spring hardens for k₃ > 0 and softens for k₃ < 0. Together
-/// with a negative linear stiffness k, the potential of the link has two wells at e = ±√(-k/k₃).
+/// Cubic spring T = k₃ e³ (Duffing). The spring hardens for k₃ > 0 and softens for k₃ < 0. For k₃ >
+/// 0 and a negative linear stiffness k, the potential of the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
   static constexpr LawInfo kInfo{
       .name = "cubic",
       .formula = "T = k3 e^3",
       .description = "a Duffing spring: k3 > 0 hardens, k3 < 0 softens",
       .notes =
-          "If the link also has a negative `stiffness` k, its potential has two wells, at "
-          "e = ±sqrt(-k/k3).",
+          "If k3 > 0 and the `stiffness` k of the link is negative, the potential of the link has "
+          "two wells, at e = ±sqrt(-k/k3).",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^3",
                          .role = factor_of(3),

@@ -3,7 +3,7 @@
 //
 // A force law T(e, ė) is a struct with
 //   kInfo                    name in a case file; coefficients with units, roles and bounds
-//   tension(c, e, ė)         tension [N] for coefficients c[i], over any vector type V
+//   tension(c, e, ė)         tension [N] for coefficients c[i], for any vector type V
 //   slopes(c, e_max)         largest slopes, for the choice of the time step
 // and, if they apply,
 //   feasible(c)              true if coefficients, each within its bounds, are feasible together

@@ -6,15 +6,15 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quadratic spring T = k₂ e², the even part of the tension of an asymmetric spring (two wells of
-/// unequal depth).
+/// Quadratic spring T = k₂ e², the even part of the tension of an asymmetric spring, for example of
+/// a spring whose potential has two wells of unequal depth.
 struct Quadratic {
   static constexpr LawInfo kInfo{.name = "quadratic",
                                  .formula = "T = k2 e^2",
-                                 .description = "the even part of an asymmetric spring",
+                                 .description = "the even part of an asymmetric spring force",
                                  .notes =
-                                     "This tension has the same sign on both sides, so combine "
-                                     "the law with a `stiffness` or a cubic.",
+                                     "The tension has the same sign for e > 0 and e < 0. Combine "
+                                     "the law with a `stiffness` or with the law `cubic`.",
                                  .coefficients = {{{.name = "stiffness",
                                                     .unit = "N/m^2",
                                                     .role = factor_of(2),

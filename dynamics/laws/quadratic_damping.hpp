@@ -10,10 +10,10 @@ namespace wheeltap::dynamics::laws {
 struct QuadraticDamping {
   static constexpr LawInfo kInfo{.name = "quadratic_damping",
                                  .formula = "T = c2 ė |ė|",
-                                 .description = "drag of a fluid",
+                                 .description = "fluid drag",
                                  .notes =
-                                     "The law opposes motion in both directions. The link's own "
-                                     "`damping` is the part that is linear in ė.",
+                                     "For c2 > 0, the tension opposes the relative motion. The key "
+                                     "`damping` of the link adds a tension that is linear in ė.",
                                  .coefficients = {{{.name = "damping",
                                                     .unit = "N s^2/m^2",
                                                     .role = factor_of(0, 2),

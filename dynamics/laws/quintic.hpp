@@ -6,14 +6,14 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quintic spring T = k₅ e⁵. The spring hardens (k₅ > 0) or softens (k₅ < 0) more strongly than a
-/// cubic spring. The series integrator does not support fifth powers, so chains with this law use
-/// Runge-Kutta.
+/// Quintic spring T = k₅ e⁵. The spring hardens (k₅ > 0) or softens (k₅ < 0) more strongly at large
+/// extensions than a cubic spring. The series integrator does not support fifth powers, so chains
+/// with this law use Runge-Kutta.
 struct Quintic {
   static constexpr LawInfo kInfo{
       .name = "quintic",
       .formula = "T = k5 e^5",
-      .description = "a spring that hardens (k5 > 0) or softens more strongly than a cubic spring",
+      .description = "a spring that hardens (k5 > 0) or softens (k5 < 0) more than a cubic spring",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^5",
                          .role = factor_of(5),

@@ -35,7 +35,7 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
   if (wanted < 1 || wanted > modes)
     throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
                                 std::to_string(modes) +
-                                ", the free degrees of freedom of the mesh");
+                                ", the number of free degrees of freedom of the mesh");
   stride = index(std::max(modes, 2));
   eigenvalues.resize(stride);
   for (int j = 0; j < modes; ++j)

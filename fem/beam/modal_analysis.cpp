@@ -106,7 +106,7 @@ Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOption
   if (options.modes < 1 || options.modes > n)
     throw std::invalid_argument("modes = " + std::to_string(options.modes) +
                                 ": must be between 1 and " + std::to_string(n) +
-                                ", the free degrees of freedom of the mesh");
+                                ", the number of free degrees of freedom of the mesh");
   // The lowest elastic eigenvalues are a few times this value, from bending and shear in series. In
   // this unit, 1 / (λ - σ) is near 1; Spectra would accept values below 4e-11 as converged.
   const double flexural = beam.material.young * beam.section.second_moment;

@@ -33,9 +33,9 @@ struct Draw {
 struct Chain {
   DrawList<int> model;
   DrawList<double> theta;      ///< physical parameters, in the layout of Model
-  DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
+  DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln prior factor, in physical units
   DrawList<double> log_likelihood;
-  DrawList<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
+  DrawList<std::int16_t> move;  ///< last attempted move, as an index into Posterior::moves
   DrawList<std::uint8_t> accepted;
   DrawList<float> prediction;  ///< draws × Posterior::predictions, or empty
 
@@ -63,7 +63,7 @@ struct Chain {
   /// Reserves memory for `draws` draws with `dimension` parameters and `predictions` predictions
   /// each.
   void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
-  /// Waits until all draws are written to disk. Throws DrawsLost.
+  /// Waits until all draws are written to disk. Throws DrawsLost if writing fails.
   void settle() const;
   /// Allows the operating system to move draws from memory to disk until the next access.
   void let_go() const;

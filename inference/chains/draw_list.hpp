@@ -29,7 +29,7 @@ class DrawMemory {
   static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;
 
   DrawMemory() = default;
-  /// An empty buffer in the same folder.
+  /// An empty buffer whose file, if needed, is in `folder`.
   explicit DrawMemory(std::filesystem::path folder) : folder_(std::move(folder)) {}
   DrawMemory(const DrawMemory&) = delete;
   DrawMemory& operator=(const DrawMemory&) = delete;

@@ -18,7 +18,7 @@ class KeptDraws {
   struct OfModel {
     std::size_t dimension = 0;
     std::vector<double> z;  ///< draws × dimension, row after row
-    /// Ln posterior density with respect to dz (ModelPosterior)
+    /// Log posterior density with respect to dz (ModelPosterior)
     std::vector<double> log_posterior;
     long visits = 0, stride = 1;
 

@@ -1,4 +1,4 @@
-// Warm-up: fits proposal distributions to samples of the posterior, starting from the priors.
+// Warm-up, from the priors to proposal distributions that are fitted to samples of the posterior.
 #pragma once
 
 #include <functional>
@@ -30,7 +30,7 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States sampled in warm-up, separately for each model, thinned to a few thousand.
+/// States sampled in warm-up, listed for each model and thinned to a few thousand states.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);
@@ -77,7 +77,7 @@ struct PilotOptions {
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< largest number of samples in the fit of a mixture
   int most_components = 20;          ///< largest number of components of a mixture
-  double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, in mean log density per sample
+  double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, as mean log density per sample
   /// Additional samples of each model's posterior, for example from regions that the chains may not
   /// have visited. The list may be empty.
   std::vector<Eigen::MatrixXd> besides{};

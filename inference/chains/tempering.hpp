@@ -15,9 +15,9 @@ namespace wheeltap::inference {
 struct Ladder {
   std::vector<double> betas;
   std::vector<State> states;        ///< state of the replica at each rung
-  std::vector<double> rejection{};  ///< Σ (1 - α) over the swaps, one sum per pair of neighbours
-  std::vector<long> tried{};        ///< swaps tried by each pair
-  /// Per replica: +1 if it was last at the end β = 0 of the ladder, -1 if at the end β = 1
+  std::vector<double> rejection{};  ///< Σ (1 - α) over swaps with acceptance rate α, per pair
+  std::vector<long> tried{};        ///< number of attempted swaps of each pair of neighbours
+  /// Per replica: +1 if the replica was last at the end β = 0 of the ladder, -1 if at the end β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -39,14 +39,14 @@ struct Ladder {
 ///   π_i(m, z) ∝ e^{w_i(m)} · prior(m, z) · likelihood^{β_i}.
 ///
 /// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
-/// Neighbouring replicas swap, alternately in the even and in the odd pairs. This deterministic
-/// scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
+/// Neighbouring replicas attempt swaps, alternately in all even and all odd pairs. This
+/// deterministic scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
 ///
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
-/// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it
-/// is probable at β = 1. The weights are adapted by stochastic approximation during warm-up and
-/// fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305). w(m) decreases by γ_t = t₀ / max(t₀,
-/// t) when the replica is in model m.
+/// chain would find a model whose tempered evidence is low at intermediate temperatures, even if
+/// this model is probable at β = 1. The weights are adapted by stochastic approximation during
+/// warm-up and fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305). w(m) decreases by γ_t =
+/// t₀ / max(t₀, t) when the replica is in model m.
 class TemperedChain {
  public:
   /// Creates the kernels of one rung.
@@ -113,16 +113,16 @@ class TemperedChain {
 /// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A draw from the prior with a positive likelihood. Throws LikelihoodError after 100 000 draws
-/// without a positive likelihood.
+/// A draw from the prior with a positive likelihood. Throws LikelihoodError if none of 100 000
+/// draws has a positive likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from
 /// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
-/// the first model, if this is true of all models. The function `goes_on` may be empty. Otherwise
-/// the function is called before every draw, with the completed share of the largest possible
-/// number of draws. If it returns false, the remaining models are not checked.
+/// the first model, if the likelihood of all models is zero at every draw. The function `goes_on`
+/// may be empty. Otherwise the function is called before every draw, with the completed share of
+/// the largest possible number of draws. If it returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

@@ -1,4 +1,4 @@
-// Mixing of the chains, judged by quantities with the same meaning in every model.
+// Mixing of the chains, judged by quantities that have the same meaning in every model.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 /// every model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
-  std::function<ChainsOf()> draws;  ///< called when the quantity is judged; one quantity at a time
+  std::function<ChainsOf()> draws;  ///< called when the quantity is judged, one at a time
 };
 
 struct Mixing {
@@ -40,7 +40,7 @@ struct Mixing {
 };
 
 /// Computes R-hat and the effective sample sizes of a run. A count or an indicator whose
-/// probabilities are known to 0.001 is not judged, even if its transitions are rare.
+/// probabilities are known to within 0.001 is not judged, even if its transitions are rare.
 [[nodiscard]] Mixing mixing(const Posterior& posterior, const ModelShares& shares,
                             const std::vector<Watched>& watched);
 

@@ -16,7 +16,7 @@ struct ModelShares {
   std::vector<std::vector<long>> counts;  ///< number of draws, chains × models
   std::vector<double> visits;             ///< share s of the draws, one per model
   std::vector<double> weight;             ///< weight w, scaled to the mean 1 over the draws
-  /// Weighted share of the draws: the model probability by draws
+  /// Weighted share of the draws, which estimates the model probability
   std::vector<double> share;
   std::vector<double> error;  ///< Monte Carlo standard error of `share`
 };

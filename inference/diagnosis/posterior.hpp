@@ -36,14 +36,14 @@ struct FoundMode {
   long climbs = 0;             ///< number of local optimisations that ended at this mode
   /// Share of the model's probability mass near this mode, by importance sampling
   double share = 0.0;
-  /// The mode's share of each chain's draws of the model; NaN: no draws
+  /// Share of each chain's draws of the model that are near the mode; NaN: no draws
   std::vector<double> drawn;
 };
 
 /// Results for one model in addition to its draws: posterior modes and evidence.
 struct ModelFindings {
   long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
-  /// Distance between the points that the optimisations evaluated (ModeSearch::spacing)
+  /// Mean distance between the points that the optimisations evaluated (ModeSearch::spacing)
   double spacing = 0.0;
   bool glanced = false;  ///< true if, in a long list of models, this model was searched by local
                          ///< optimisations alone
@@ -53,15 +53,15 @@ struct ModelFindings {
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes that exceeded the limit of a search and were left out, and their
-  /// share of the probability of the model by Laplace's method.
+  /// Number of posterior modes left out because a search keeps a limited number of modes, and their
+  /// share of the model's probability mass by Laplace's method.
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
-  /// Separate posterior modes above the threshold, the mode with the largest probability mass
+  /// Separate posterior modes with at least 0.1 % of the model's probability mass, the largest mass
   /// first.
   std::vector<FoundMode> modes;
-  Evidence annealed = kNoEvidence;  ///< evidence by SMC or tempering from the prior; NaN: not run
+  Evidence annealed = kNoEvidence;  ///< evidence by SMC or tempering from the prior; NaN if not run
   Evidence sampled = kNoEvidence;   ///< evidence by importance sampling from the final mixture
   Evidence bridged =
       /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
@@ -124,7 +124,7 @@ struct RunRecord {
   long ladder_round_trips = 0;
   /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no ladder
   double barrier = 0.0;
-  long impossible = 0;  ///< likelihood values of NaN or +∞, counted as -∞
+  long impossible = 0;  ///< number of likelihood values of NaN or +∞, which count as -∞
   /// Models with a likelihood of zero at every draw from their prior; their probability is 0.
   std::vector<int> impossible_models;
   std::vector<Choice> choices;
@@ -136,9 +136,9 @@ struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
   std::vector<ModelFindings> found;  ///< one per model
-  /// ln of the weight of a draw of each model; empty if all weights are equal. With
-  /// `Options::balance`, the chains visit models more evenly than in proportion to their
-  /// probabilities, and the weights correct for this.
+  /// Log weight of a draw, for each model; empty if all weights are equal. With `Options::balance`,
+  /// the chains visit models more evenly than in proportion to their probabilities, and the weights
+  /// correct for this.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction

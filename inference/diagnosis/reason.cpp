@@ -86,7 +86,7 @@ struct VerdictSentence {
   }
   std::string operator()(const EvidenceUnreliable& r) const {
     return "The evidence of model " + quoted(r.model) +
-           " is uncertain: its largest importance weights decay too slowly (Pareto k " +
+           " is uncertain: the tail of its importance weights is too heavy (Pareto k " +
            base::readable(r.pareto, 2) + ", must be at most " + base::readable(r.limit, 2) +
            "), so that the estimate may be too small by a factor of " +
            base::readable(r.factor, 2) + implied(r.by_evidence) + ".";

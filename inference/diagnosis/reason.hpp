@@ -51,7 +51,7 @@ struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
 };
-/// Many draws of a model lie outside its fitted mixture, but come from few effective visits. Only
+/// Many draws of a model lie outside its fitted mixture, but come from few independent visits. Only
 /// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
@@ -65,19 +65,19 @@ struct AnnealingDrawsBeyond {
   /// Share of the draws outside the mixture, by SMC and by the chains.
   double annealed = 0.0, drawn = 0.0;
 };
-/// The largest importance weights of a model's evidence decay so slowly that a longer sample may
-/// find far more evidence, and the model's draws do not confirm the evidence.
+/// The largest importance weights of a model's evidence have such a heavy tail that a larger sample
+/// may give a far larger evidence, and the model's draws do not confirm the evidence.
 struct EvidenceUnreliable {
   int model = 0;
-  double pareto = 0.0, limit = 0.0;  ///< shape k̂ of the weights; must not exceed `limit`
-  Estimate by_evidence{};            ///< probability by evidence
+  double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
+  Estimate by_evidence{};            ///< model probability by evidence
   double factor = 1.0;               ///< factor by which the evidence may be too small
 };
 /// A search found more separate posterior modes than it can keep.
 struct ModesLeftOut {
   int model = 0;
   long modes = 0;      ///< number of modes that were left out
-  double share = 0.0;  ///< share of these modes in the model's probability (Laplace)
+  double share = 0.0;  ///< share of these modes in the model's probability mass (Laplace)
 };
 /// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {
@@ -92,8 +92,8 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// Name of the parameter. For components of a kind it is "sum of …", because the numbers of the
-  /// components are arbitrary labels.
+  /// Name of the parameter. For components of a kind, the name is "sum of …", because the numbers
+  /// of the components are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };
@@ -102,7 +102,7 @@ struct ParameterMovesSlowly {
   int model = 0;
   std::string parameter;
   double ess = 0.0, limit = 0.0;
-  bool tail = false;  ///< true: too few for its 5 % and 95 % quantiles, the interval limits
+  bool tail = false;  ///< true: too few effective draws of its 5 % and 95 % quantiles
 };
 /// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {

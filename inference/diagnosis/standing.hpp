@@ -20,7 +20,7 @@ enum class Basis { draws, evidence };
 
 /// Probability and evidence of one model.
 struct ModelStanding {
-  double probability = 0.0;  ///< model probability; 0 with `mcse` NaN if nothing is known
+  double probability = 0.0;  ///< model probability; 0 with `mcse` = NaN if it is unknown
   /// Monte Carlo standard error of `probability`. For a probability from draws, the error is at
   /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less. The error then
   /// also includes the excess of the SMC draws (annealed_excess). For a probability from evidence,
@@ -43,12 +43,12 @@ struct ModelStanding {
 /// Probabilities of all models, and the quantities from which the probabilities were computed.
 struct Standings {
   std::vector<ModelStanding> models;
-  /// Model probabilities by the evidences; by draws for models without evidence
+  /// Model probabilities from the evidences; from the draws for models without evidence
   ImpliedProbabilities implied;
-  /// Per model: true if some chain should have visited the model and did not
+  /// Per model: true if some chain should have visited the model but did not
   std::vector<bool> missed;
   std::vector<Evidence> evidence;
-  /// True if the evidence of a model is an average over the posterior's own draws or mixture.
+  /// Per model: true if its evidence comes from its posterior draws or from draws of its mixture.
   std::vector<bool> evidence_of_draws;
 };
 

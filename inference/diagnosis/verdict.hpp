@@ -21,18 +21,18 @@ struct Verdict {
   bool converged = false;               ///< true exactly if `not_established` is empty
   std::vector<Reason> not_established;  ///< the most serious reason first; reasons of one kind by
                                         ///< descending model probability
-  /// Resolution of the mode search: a share of the prior. If the basin of attraction of a posterior
-  /// mode holds a smaller share of the prior, all local optimisations miss the mode with a
-  /// probability above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest
-  /// over the models, and 1 without a search. In a long list, models with only local optimisations
-  /// and a probability below kLimits.searched_model are excluded.
+  /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
+  /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
+  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n), at its largest over
+  /// the models; it is 1 without a search. In a long list, models with only local optimisations and
+  /// a probability below kLimits.searched_model are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
   /// not known. The search may miss a narrower mode even if its basin of steepest ascent exceeds
   /// `resolution` (resolution_of).
   double resolved_width = 0.0;
-  /// Number of models searched by local optimisations alone; `resolution` excludes them
+  /// Number of models searched by local optimisations alone; `resolution` excludes these
   int glanced = 0;
   /// Number of models that were not evaluated (ModelFindings::passed_over). `resolution` does not
   /// include these models.
@@ -64,9 +64,9 @@ struct Verdict {
 /// - Every chain visited, at β = 1, every model whose probability by evidence times the effective
 ///   draws per chain exceeds 10 (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or evidence,
 ///   or a prior weight of 0, or lies outside Occam's window.
-/// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005. No ln Z by SMC exceeds
-///   ln Z of the draws by 4.5 errors and half a nat. The evidence by SMC may be lower, because SMC
-///   may miss a mode that the chains visit.
+/// - Probabilities by visits and by evidence agree within 4.5 combined errors (7e-6) plus 0.005. No
+///   ln Z by SMC exceeds ln Z of the draws by more than 4.5 errors plus half a nat. The evidence by
+///   SMC may be lower, because SMC may miss a mode that the chains visit.
 /// - Every chain visited each posterior mode that the searches found and that should have more than
 ///   10 effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within
 ///   the variability expected for the number of effective draws (1e-6).
@@ -81,8 +81,8 @@ struct Verdict {
 ///   within the variability expected for the number of draws (1e-6). For components of a kind, the
 ///   sums of their parameters are judged, because the numbers of the components are arbitrary. The
 ///   effective sample size of each parameter exceeds 800 P; this limit is at least 20 and at most
-///   400. R-hat is judged from 100 draws per chain on. For a model below 5 %, the effective sample
-///   size is judged from 400 draws per chain on.
+///   400. R-hat is judged only with at least 100 draws per chain. For a model below 5 %, the
+///   effective sample size is judged only with at least 400 draws per chain.
 /// - With tempered draws, the replicas completed 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
 ///   applied.

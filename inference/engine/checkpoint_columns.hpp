@@ -1,4 +1,4 @@
-// Conversion of a structure's members to columns of numbers and back.
+// Conversion of a struct's members to columns of numbers and back.
 #pragma once
 
 #include <algorithm>
@@ -65,8 +65,8 @@ class Names {
   std::string name_;
 };
 
-/// Writes named members of structures as columns. `Fields::of(archive, value)` lists the members of
-/// a structure, for writing and reading.
+/// Writes named members of structs as columns. `Fields::of(archive, value)` lists the members of a
+/// struct, for writing and reading.
 template <class Fields>
 class Writer {
  public:
@@ -78,7 +78,7 @@ class Writer {
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
 
-  /// Writes members; the arguments are names and members in turn.
+  /// Writes members; the arguments are names and members, alternately.
   template <class T, class... More>
   void operator()(const char* member, const T& value, const More&... more) {
     names_.within(member, [&] { put(value); });

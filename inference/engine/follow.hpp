@@ -18,8 +18,8 @@ inline constexpr double kWorthFollowing = 0.01;
 /// larger share of a model's SMC draws than of its chain draws lies outside the mixture, this
 /// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
 /// steps, the SMC draw was an error of SMC. If the chain stays outside, the region is a part of the
-/// posterior. The function sets ModelFindings::annealed_beyond of models above the probability
-/// threshold; call this function after weigh(). Returns the states of the new chains outside their
+/// posterior. The function sets ModelFindings::annealed_beyond of models with a probability of at
+/// least 1 %; call this function after weigh(). Returns the states of the new chains outside their
 /// model's mixture, dimension × n, one matrix per model.
 [[nodiscard]] std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state);
 

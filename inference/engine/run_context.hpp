@@ -24,7 +24,7 @@ inline constexpr int kFewModels = 40;
 inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-inline constexpr int kCostlyDraws = 2500;  ///< default draws if an evaluation is costly
+inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an evaluation is costly
 /// True if the likelihood is expensive: the data are a long record or the problem is costly, and
 /// the engine chooses the number of draws. Tuning steps and thinning, which reduce the
 /// autocorrelation of the draws, are then halved. The reason is that each MCMC step takes about a
@@ -72,8 +72,8 @@ struct RunContext {
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
 
   /// Runs job(c, chain, target) for every chain on several threads and ranks, then stores the
-  /// target's counters in its chain. A job may change only its chain, its target and its draws
-  /// (RunState::posterior.chains[c]).
+  /// target's counters in the state of the chain. A job may change only its chain, its target and
+  /// its draws (RunState::posterior.chains[c]).
   template <typename Job>
   void each_chain(RunState& state, Job&& job) {
     each_chain_until(state, [&](int c, ChainState& chain, Target& target) {
@@ -152,7 +152,7 @@ struct RunContext {
 [[nodiscard]] bool is_impossible(const RunState& state, int model);
 
 /// Prepares a new context to continue a run from `state`. Throws CheckpointError if the likelihood
-/// at the chains' states differs in any bit: the data or the processor has changed.
+/// at the chains' states differs in any bit, because the data or the processor have changed.
 void resume(RunContext& run, const RunState& state);
 
 /// Number of likelihood evaluations by all chains and by shared work. If the problem has an

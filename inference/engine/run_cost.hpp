@@ -10,9 +10,9 @@ namespace wheeltap::inference {
 /// is correct within a factor of three in nine of ten runs (docs/scale.md); otherwise within a
 /// factor of ten.
 struct RunCost {
-  double bytes = 0.0;  ///< largest memory in use at one time
+  double bytes = 0.0;  ///< peak memory
   double disk = 0.0;   ///< largest size of the folder of the results, in bytes
-  /// Number of likelihood evaluations, or of FE runs for a table
+  /// Number of likelihood evaluations, or of FE runs for a table of FE runs
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;
@@ -25,14 +25,14 @@ struct ProblemSize {
   double models = 1.0;
   double dimensions = 0.0;   ///< sum of the dimensions of all models
   double largest = 0.0;      ///< largest dimension of a model
-  double predictions = 0.0;  ///< numbers stored per draw in addition to the parameters
+  double predictions = 0.0;  ///< count of numbers stored per draw in addition to the parameters
   double explored = 0.0;     ///< likelihood evaluations per dimension before the first draw
   double seconds_a_likelihood = 0.0;
 };
 
-/// Estimates the cost of a run that converges in its first round of draws. Draws of more than
-/// `most_in_memory` bytes are stored on the disk (DrawMemory). Set `most_in_memory` to infinity if
-/// there is no folder for draws.
+/// Estimates the cost of a run that converges in its first round of draws. If the draws take more
+/// than `most_in_memory` bytes, they are stored on disk (DrawMemory). Set `most_in_memory` to
+/// infinity if there is no folder for draws.
 [[nodiscard]] RunCost cost_of_sampling(const ProblemSize& size, const Options& options,
                                        double most_in_memory);
 

@@ -66,10 +66,10 @@ struct Position {
   /// Models to be searched fully, or by local optimisations alone
   std::vector<int> models{};
   int model = 0;  ///< index of the next model in `models`
-  /// ln (P Z) of the best model searched so far.
+  /// ln (P Z), with prior probability P, of the best model searched so far.
   double best = -std::numeric_limits<double>::infinity();
   int look = 0;                  ///< round of local optimisations in many models
-  int looks_left = 0;            ///< models left in this round
+  int looks_left = 0;            ///< number of models left in this round
   std::vector<double> before{};  ///< ln π at the highest posterior mode of each model before this
                                  ///< round
 
@@ -84,7 +84,7 @@ struct Position {
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// Posterior modes of one model; the shares of these modes in the draws are counted.
+/// Posterior modes of one model whose shares of the draws are counted.
 struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;

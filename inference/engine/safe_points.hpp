@@ -13,8 +13,8 @@
 namespace wheeltap::inference {
 
 /// Safe points lie between two iterations of all chains and between two explored models. At a safe
-/// point, RunState is complete. Saving is postponed as long as it would take more than the share
-/// kShare of the run time.
+/// point, RunState is complete. Saves are so far apart that saving takes at most the share kShare
+/// of the run time.
 class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}
@@ -23,8 +23,8 @@ class SafePoints {
   /// call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
   /// Call this function at every safe point. The function saves the state if saving is due.
-  /// Otherwise, it stores a copy of the state, at most once per second, in case the run is stopped
-  /// before the next safe point.
+  /// Otherwise, the function stores a copy of the state, at most once per second, in case the run
+  /// is stopped before the next safe point.
   void pass(RunState& state);
   /// Saves the state. Call this function at a safe point if the run is being stopped.
   void stop(RunState& state);

@@ -17,7 +17,7 @@ void prepare_draws(RunContext& run, RunState& state);
 /// Burn-in with the model weights of the draws. Tuning used other model weights, so the chains must
 /// first converge to the new stationary distribution.
 void settle(RunContext& run, RunState& state);
-/// Adds the current state of a chain to its draws, stored states and counters.
+/// Adds the current state of a chain to the chain's draws, stored states and counters.
 void record(const RunContext& run, const RunState& state, const Target& target, int move,
             bool accepted, ChainState& chain, Chain& out);
 /// Adds `n` draws to every chain, or fewer if the run is stopped.

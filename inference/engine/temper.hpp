@@ -13,7 +13,7 @@ inline constexpr int kBalancedModels = 64;
 struct TemperOptions {
   int scans = 0;          ///< largest number of scans if the options do not give the warm-up
   bool balanced = false;  ///< adapt weights so that chains visit every model at every temperature
-  bool fitted = false;    ///< use the fitted proposals, and start from the chains' states
+  bool fitted = false;    ///< true: use the fitted proposals, and start from the chains' states
 };
 
 /// Runs parallel tempering from the prior or, with fitted proposals, prepares a ladder for the

@@ -10,14 +10,14 @@
 
 namespace wheeltap::inference {
 
-/// An approximation of ln factor + ln likelihood at z, up to a constant.
+/// An approximation of ln prior factor + ln likelihood at z, up to a constant.
 using LogApproximation = std::function<double(std::span<const double> z)>;
 
 /// The proposal of a sweep over the samples: draws of the mixture, or steps from the current point
 /// with the covariance of a randomly selected component times exp(2 log_scale).
 struct SweepProposal {
   const NormalMixture& mixture;
-  bool renew = false;  ///< true: draws of the mixture
+  bool renew = false;  ///< true: draws of the mixture; false: steps
   double log_scale = 0.0;
 
   /// Writes a proposal to `to` and returns ln [q(to → z) / q(z → to)]. `normal` is scratch memory
@@ -27,7 +27,7 @@ struct SweepProposal {
 };
 
 /// Makes Metropolis steps from z that leave φ(z) exp(β s(z)) invariant, where φ is the standard
-/// normal density and s the approximation. Changes z and `at` = s(z). Returns the number of
+/// normal density and s the approximation. Updates z and `at` = s(z). Returns the number of
 /// accepted steps.
 int step_by_approximation(const LogApproximation& approximation, double beta,
                           const SweepProposal& propose, int steps, base::Random& random,

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 struct BridgeOptions {
   std::uint64_t seed = 1;
   int proposal_draws = 0;  ///< number of draws of q; 0: as many as posterior draws in use
-  /// 0: all threads of the machine. The results do not depend on the number of threads.
+  /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
   NormalMixture::FitOptions fit{};
 };
@@ -25,8 +25,8 @@ struct Bridge {
   bool settled = false;          ///< true if the fixed-point iteration converged
 };
 
-/// The bridge-sampling iteration alone. `at_posterior` holds ln l = ln π - ln q at posterior draws,
-/// one vector per chain, all of the same length. `at_proposal` holds ln l at draws of q. The
+/// Runs only the bridge-sampling iteration. `at_posterior` holds ln l = ln π - ln q at posterior
+/// draws, one vector per chain, all of the same length. `at_proposal` holds ln l at draws of q. The
 /// comment of the next function gives the formula.
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
@@ -51,7 +51,7 @@ struct Bridge {
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
-/// Bridge sampling with a given pilot.
+/// Runs bridge sampling like the function above, with a given pilot.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 

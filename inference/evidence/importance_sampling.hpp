@@ -14,8 +14,8 @@ namespace wheeltap::inference {
 struct ImportanceOptions {
   std::uint64_t seed = 1;
   int draws = 20000;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
 };
 
 struct ImportanceSampling {
@@ -24,9 +24,9 @@ struct ImportanceSampling {
   double pareto_k = 0.0;         ///< Pareto shape of the weights (pareto_shape)
 };
 
-/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to a pilot, with a defensive
-/// component. The standard error is sd(w) / (mean(w) √n). Warns that the error is unreliable if the
-/// Pareto shape exceeds 0.7 or there are fewer than 100 effective draws.
+/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to pilot draws, with a
+/// defensive component. The standard error is sd(w) / (mean(w) √n). Warns that the error is
+/// unreliable if the Pareto shape exceeds 0.7 or there are fewer than 100 effective draws.
 [[nodiscard]] ImportanceSampling importance_sampling(const Problem& problem, int model,
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
@@ -41,8 +41,8 @@ struct ImportanceSampling {
                                                         const std::function<bool()>& stop = {});
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
-/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k
-/// finite moments. The result is -∞ if the fit has fewer than 5 weights.
+/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): moments of the weights of
+/// an order below 1/k̂ are finite. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 /// Above this shape k̂, the sample variance of the weights does not give the error of their mean

@@ -17,19 +17,19 @@ struct ModeOptions {
   double tolerance = 1e-3;
   /// Starting point z of the Newton steps, which then replace the search; empty: search first
   std::vector<double> start{};
-  bool check = true;  ///< Laplace's method: warn if the posterior is not normal
+  bool check = true;  ///< true: Laplace's method warns if the posterior is not normal
 };
 
-/// Maximum of ln π(z), by self-adaptive differential evolution and Newton steps with finite
-/// differences. If the problem can be shortened, the search begins with the first 50 samples. The
-/// search then doubles the number of samples until the record is complete. Each search starts from
-/// the posterior mode for the shorter record. Throws LikelihoodError if no point of the search has
-/// a positive likelihood.
+/// Finds the maximum of ln π(z) by self-adaptive differential evolution and Newton steps with
+/// finite differences. If the problem can be shortened, the search begins with the first 50
+/// samples. The search then doubles the number of samples until the record is complete. Each search
+/// starts from the posterior mode for the shorter record. Throws LikelihoodError if no point of the
+/// search has a positive likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 
 struct Laplace {
-  Evidence evidence;  ///< evidence with a standard error of NaN
+  Evidence evidence;  ///< evidence; its standard error is NaN
   std::vector<double> z;
   std::vector<double> x;       ///< the mode in physical parameters
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, in z
@@ -39,7 +39,7 @@ struct Laplace {
 /// coordinates, in which the prior has no bounds. H comes from central differences with steps that
 /// lower ln π by about 0.05. The method covers one posterior mode only. The result has a warning if
 /// H is not positive definite, or if importance sampling at the mode (1000 draws) shows that the
-/// posterior is not normal. For example, if the likelihood is constant within an element, the
+/// posterior is not normal. For example, if the likelihood is constant within a finite element, the
 /// curvature at the mode is that of the prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 

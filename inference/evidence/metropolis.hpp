@@ -16,8 +16,8 @@ struct MetropolisOptions {
   int chains = 4;
   int warmup = 3000;  ///< warm-up iterations, in which the proposal adapts
   int draws = 5000;   ///< number of draws per chain, one per iteration
-  int threads = 0;    ///< 0: all threads of the machine. The results do not depend on the number of
-                      ///< threads.
+  int threads = 0;    ///< number of threads; 0: all threads of the machine. The results do not
+                      ///< depend on this number.
 };
 
 /// Draws from the posterior of one model, separately for each chain.
@@ -25,7 +25,7 @@ struct ModelSamples {
   /// Draws in standard normal coordinates, one matrix (draws × dimension) per chain
   std::vector<Eigen::MatrixXd> z;
   std::vector<Eigen::MatrixXd> x;                  ///< draws in physical parameters
-  std::vector<std::vector<double>> log_posterior;  ///< ln p₀ + ln factor + ln likelihood
+  std::vector<std::vector<double>> log_posterior;  ///< ln p₀ + ln prior factor + ln likelihood
   std::vector<std::vector<double>> log_likelihood;
   double acceptance = 0.0;  ///< acceptance rate after warm-up
   double rhat = 1.0;        ///< largest R-hat over the parameters and the log posterior

@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// Path of the data, for problems that can be shortened: all data at once, a growing part of the
-/// data, or the better of these two paths.
+/// Order in which the data enter, for problems that can be shortened: all data at once, a growing
+/// part of the data, or the better of these two options.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
@@ -27,14 +27,14 @@ struct TmcmcOptions {
   /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Optional, for an expensive likelihood: an approximation of ln factor + ln likelihood up to a
-  /// constant, finite at every finite z. Several threads may call it at once. Stages in which its
-  /// error is small use it to screen moves (see `tmcmc`).
+  /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
+  /// to a constant, finite at every finite z. Several threads may call this function at once. It
+  /// screens moves in stages with a small error (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
-                    ///< threads.
+  int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
+                    ///< on this number.
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
@@ -49,19 +49,19 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
   int stages = 0;                     ///< largest number of stages of any replicate
-  /// Number of half-stages with screened moves, of all replicates
+  /// Number of half-stages with screened moves, summed over the replicates
   long screened = 0;
   /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
   /// tempered posteriors, and log_posterior is empty.
   bool cut = false;
 };
 
-/// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through
+/// TMCMC (Ching & Chen 2007, J. Engineering Mechanics 133:816) moves samples through the densities
 ///
 ///   π_j(z) ∝ p₀(z) [factor · likelihood]^{β_j},   0 = β_0 < … < β_m = 1,
 ///
-/// by weighting with [factor · likelihood]^(β_j - β_{j-1}), resampling, and Metropolis moves. Z =
-/// ∏_j mean of the weights of stage j.
+/// where `factor` is the prior factor. Stage j weights the samples by [factor · likelihood]^(β_j -
+/// β_{j-1}), resamples, and makes Metropolis moves. Z is the product of the mean weights.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
 /// 89:539). The first part of the data leads from the prior to the posterior of the first 50
@@ -72,9 +72,9 @@ struct Tmcmc {
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
-/// - Bisection on the coefficient of variation of the weights sets β. The target of the coefficient
-///   is 0.5. With the target 1 of Ching & Chen, ln Z was two nats too low for a chain of masses
-///   with a stop, whose tempered posteriors change direction from stage to stage.
+/// - Bisection finds the β for which the coefficient of variation of the weights is 0.5. With the
+///   value 1 of Ching & Chen, ln Z was two nats too low for a chain of masses with a stop, whose
+///   tempered posteriors change direction from stage to stage.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
 ///   share of prior draws with a positive likelihood. If draws with a positive likelihood are rare,
@@ -86,10 +86,10 @@ struct Tmcmc {
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.
-/// - With an approximation s(z) of ln (factor · likelihood), a move makes several Metropolis steps
-///   that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the last
-///   point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])}, where
-///   e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
+/// - With an approximation s(z) of ln (prior factor · likelihood), a move makes several Metropolis
+///   steps that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the
+///   last point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])},
+///   where e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
 ///   Scientific Computing, section 9.4.3; delayed acceptance: Christen & Fox 2005). The moves
 ///   therefore leave π_j invariant for every s. The factor c minimises the standard deviation of β
 ///   e over the other half of the samples. Samples are moved in this way only if this deviation is
@@ -104,7 +104,7 @@ struct Tmcmc {
 /// If a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN and
 /// the result carries a warning.
 ///
-/// Throws LikelihoodError if no prior draw has a positive likelihood; std::invalid_argument for
+/// Throws LikelihoodError if no prior draw has a positive likelihood, and std::invalid_argument for
 /// options out of range.
 [[nodiscard]] Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options);
 

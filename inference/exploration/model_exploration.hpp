@@ -20,17 +20,17 @@ struct ExplorationOptions {
   long climbs = 0;       ///< ModeSearchOptions::climbs
   long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
-  bool anneal = true;    ///< run SMC from the prior, with the shortest sufficient length
-  /// Run local optimisations only, for one of very many models. The evidence is then computed by
-  /// Laplace's method, with an assumed error of one nat. The population is drawn from the normal
-  /// approximations at the posterior modes.
+  bool anneal = true;    ///< run SMC from the prior, with as little work as suffices
+  /// If true, run local optimisations only, for one of very many models. The evidence is then
+  /// computed by Laplace's method, with an assumed error of one nat. The population is drawn from
+  /// the normal approximations at the posterior modes.
   bool climbs_only = false;
-  /// No local optimisations from prior draws, unless `starts` lead to no posterior mode
+  /// If true, use prior draws as starting points only if `starts` lead to no posterior mode
   bool from_starts = false;
-  int particles = 1200;       ///< number of particles of a full SMC run, over four replicates
+  int particles = 1200;       ///< particles of a full SMC run, in four replicates together
   int rounds = 5;             ///< largest number of rounds of importance sampling
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
-  /// 0: all threads of the machine. The results do not depend on the number of threads.
+  /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
   /// Draws of another method, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
@@ -54,7 +54,7 @@ struct ExplorationCalls {
 struct ModelExploration {
   /// Posterior modes, the mode with the largest probability mass first
   std::vector<Mode> modes;
-  std::vector<double> shares;  ///< share of the model's probability near each mode
+  std::vector<double> shares;  ///< share of the model's probability mass near each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
   long left_out = 0;     ///< ModeSearch::left_out
@@ -74,8 +74,8 @@ struct ModelExploration {
   Evidence annealed = kNoEvidence;
   /// Evidence by importance sampling; NaN if nothing was found
   Evidence sampled = kNoEvidence;
-  double effective_draws = 0.0;  ///< effective size of the importance sample
-  double efficiency = 0.0;       ///< effective_draws divided by the draws
+  double effective_draws = 0.0;  ///< effective sample size of the importance sampling
+  double efficiency = 0.0;       ///< effective_draws divided by the number of draws
   ExplorationCalls calls{};
 
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
@@ -116,7 +116,7 @@ enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the mode whose normal approximation has the highest density at z relative to its peak.
+/// Index of the mode whose normal approximation, divided by its peak value, is the highest at z.
 /// This is the nearest mode if distances are measured in standard deviations of each mode. The
 /// result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,

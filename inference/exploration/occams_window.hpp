@@ -14,10 +14,10 @@ class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// `within`: the models one step within m. `around`: the models that have m one step within.
+  /// `within`: the models one step within m. `around`: the models that m is one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Smallest number of steps from a model that contains no other model.
+  /// Smallest number of steps from m to a model that contains no other model.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:
@@ -36,15 +36,15 @@ class ModelLattice {
 /// - all models up to two steps from the smallest model, because some terms matter only in pairs;
 /// - the models one step above or below each model whose probability is at least e^-12 (6e-6) of
 ///   the largest probability (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
-/// - finally the largest model, whose maximum likelihood is at least the maximum likelihood of all
-///   other models;
-/// - the models one step within each explored model whose maximum log likelihood exceeds that of
-///   the most probable model by 10 nats.
+/// - finally the largest model, whose maximum likelihood is at least as large as that of every
+///   other model;
+/// - the models one step within each explored model whose largest ln π exceeds that of the most
+///   probable model by more than 10 nats.
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// A starting point for model m: the posterior mode of the most probable explored model one step
-/// above or below m, without the parameters that m lacks. Empty if none of these models was
+/// A starting point for model m: the best posterior mode of the most probable explored model that
+/// m is one step within, without the parameters that m lacks. Empty if no such model was
 /// explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,

@@ -28,11 +28,11 @@ class NormalMixture {
 
   struct FitOptions {
     int max_components = 20;
-    /// Selects the number of components by -ln likelihood + ½ · parameters · ln n (BIC: fewer
+    /// The number of components minimises -ln likelihood + ½ · parameters · ln n (BIC: fewer
     /// components) or -ln likelihood + parameters (AIC: closer fit).
     Criterion criterion = Criterion::bic;
     /// Weight of an added component N(0, defensive_sd² I), which covers tails without samples
-    /// (Hesterberg 1995). With sd 1, this component equals the prior in standard normal
+    /// (Hesterberg 1995). With defensive_sd = 1, this component equals the prior in standard normal
     /// coordinates. No importance weight then exceeds max likelihood / (weight · evidence).
     double defensive_weight = 0.02;
     double defensive_sd = 1.0;
@@ -78,7 +78,7 @@ class NormalMixture {
   }
   [[nodiscard]] double degrees_of_freedom() const { return nu_; }
 
-  /// Log density ln q(z). The result is -∞ if z is not finite, or so far from all components that q
+  /// Log density ln q(z). The value is -∞ if z is not finite, or so far from all components that q
   /// underflows even on the log scale.
   [[nodiscard]] double log_density(std::span<const double> z) const;
   /// Writes ln w_k + ln p_k(z) to out[k] for every component k with weight w_k and density p_k.
@@ -86,7 +86,7 @@ class NormalMixture {
   void component_log_densities(std::span<const double> z, std::span<double> out) const;
 
   void sample(base::Random& random, std::span<double> out) const;
-  /// Draws a component index with the mixture's weights.
+  /// Draws a component index with probabilities equal to the mixture's weights.
   [[nodiscard]] int sample_component(base::Random& random) const;
 
   /// Computes u = L_k⁻¹ (z - μ_k); the next function computes z from u. The Jacobian |dz/du| is

@@ -17,7 +17,7 @@ namespace wheeltap::inference::packed {
                                        double nu);
 
 [[nodiscard]] const Routines& routines();
-/// The routines that this processor can run, sorted by vector width, the narrowest first.
+/// The routines that this processor can run, sorted by SIMD width, the narrowest first.
 [[nodiscard]] std::vector<const Routines*> runnable_routines(base::Instructions instructions);
 
 /// ln |L|, the log determinant of a triangular factor.

@@ -1,6 +1,6 @@
 // Loops over normal mixtures packed for vector instructions (packed_mixture.hpp). The loops are
-// compiled for several register widths, so this header uses only plain pointers and numbers.
-// Library templates could be instantiated with the wrong instruction set (see base/simd.hpp).
+// compiled for several SIMD widths. This header uses only plain pointers and numbers, because the
+// linker could use a library template compiled for another width (see base/simd.hpp).
 #pragma once
 
 #include <cstddef>

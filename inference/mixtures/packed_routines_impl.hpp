@@ -1,7 +1,7 @@
-// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles. Each source
-// file that includes this header is compiled for one instruction set. No operation depends on the
-// register width, and no operation is contracted to a fused multiply-add. The results are therefore
-// equal bit for bit, and a chain does not depend on the processor.
+// The routines of packed_routines.hpp for SIMD registers of WHEELTAP_PACKED_WIDTH doubles. Each
+// source file that includes this header is compiled for one instruction set. No operation depends
+// on the SIMD width, and no operation is contracted to a fused multiply-add. The results are
+// therefore equal bit for bit, and a chain does not depend on the processor.
 
 // <cmath> is not included, because instances of its templates could be shared between instruction
 // sets.
@@ -18,8 +18,8 @@ constexpr std::size_t kWidth = WHEELTAP_PACKED_WIDTH;
 constexpr std::size_t kParts = kLanes / kWidth;
 constexpr double kNever = -__builtin_inf();
 
-// A vector as wide as the processor's registers. GCC splits wider vectors into parts that depend on
-// each other through memory. These memory accesses took half of the run time.
+// A vector as wide as a SIMD register of the processor. GCC splits wider vectors into parts that
+// depend on each other through memory. These memory accesses took half of the run time.
 using Part [[gnu::vector_size(kWidth * sizeof(double))]] = double;
 using PartBits [[gnu::vector_size(kWidth * sizeof(double))]] = long long;
 

@@ -8,7 +8,7 @@ std::string describe(const EvidenceWarning& warning) {
     case Kind::failed:
       return "failed: " + warning.error;
     case Kind::stalled:
-      return "TMCMC reached only exponent " + value + " within the allowed number of stages";
+      return "TMCMC reached only likelihood exponent " + value + " in the allowed number of stages";
     case Kind::replicates_scatter:
       return "TMCMC replicates differ by more than half a nat (" + value + "); use more samples";
     case Kind::samples_hardly_move:

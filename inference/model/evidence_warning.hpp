@@ -17,11 +17,11 @@ struct EvidenceWarning {
     samples_hardly_move,  ///< the Metropolis moves of TMCMC hardly change the samples in some stage
     bridge_unsettled,     ///< the proposal and the posterior hardly overlap
     few_bridge_draws,     ///< `value`: effective posterior draws in bridge sampling
-    chains_disagree,      ///< `value`: R-hat
+    chains_disagree,      ///< the chains have an R-hat above the limit; `value`: R-hat
     heavy_tail,           ///< importance weights have a heavy tail; `value`: their Pareto shape
     few_effective_draws,  ///< `value`: effective draws of importance sampling
-    /// The posterior about the posterior mode is not normal. `value` is ln Z by importance sampling
-    /// at the mode minus ln Z by Laplace's method.
+    /// The posterior near its mode is not normal. `value` is ln Z by importance sampling at the
+    /// mode minus ln Z by Laplace's method.
     not_normal,
     no_maximum,  ///< minus the Hessian at the mode is not positive definite
   };

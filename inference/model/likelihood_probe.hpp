@@ -9,14 +9,14 @@ namespace wheeltap::inference {
 /// affect this time.
 struct LikelihoodTime {
   double mean = 0.0;    ///< mean over draws of the prior, where local optimisations start
-  double middle = 0.0;  ///< median, which a few expensive evaluations do not change
+  double middle = 0.0;  ///< median, which a few expensive evaluations hardly change
   long calls = 0;       ///< number of measured evaluations
 };
 
-/// Evaluates the likelihood at draws of the prior, for all models with parameters in turn, during
-/// about `seconds`. The likelihood of every model is evaluated at least once, unless this takes
-/// more than ten times `seconds`. Draws with zero likelihood are left out of the measured run time
-/// if there are other draws, because their evaluation may be unusually fast.
+/// Evaluates the likelihood at draws of the prior, in turn for each model that has parameters,
+/// during about `seconds`. The likelihood of every model is evaluated at least once, unless this
+/// takes more than ten times `seconds`. Draws with zero likelihood are left out of the measured run
+/// time if there are other draws, because their evaluation may be unusually fast.
 [[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
 }  // namespace wheeltap::inference

@@ -27,8 +27,8 @@ struct Evidence {
 inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
                                   .standard_error = std::numeric_limits<double>::quiet_NaN()};
 
-/// ln π(z) = ln p₀(z) + ln factor + ln likelihood in standard normal coordinates, for one thread,
-/// where
+/// ln π(z) = ln p₀(z) + ln prior factor + ln likelihood in standard normal coordinates, for one
+/// thread, where
 ///
 ///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   for components in order (by their first coordinate), else 0,
 ///
@@ -36,12 +36,12 @@ inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::q
 class ModelPosterior {
  public:
   struct Value {
-    double log_prior = 0.0;  ///< ln p₀ + ln factor
+    double log_prior = 0.0;  ///< ln p₀ + ln prior factor
     double log_base = 0.0;   ///< ln p₀ alone
     double log_likelihood = 0.0;
     [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
-    /// ln factor + ln likelihood: the posterior relative to p₀. -∞ if the components are not in
-    /// order.
+    /// ln prior factor + ln likelihood: the log posterior minus ln p₀; -∞ if the components are not
+    /// in order.
     double log_gain = 0.0;
   };
 

@@ -15,9 +15,9 @@ struct Parameter {
   Prior prior;
 };
 
-/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state
-/// contains a set of components of one kind, sorted by their first parameter. The prior density of
-/// an ordered set of k components is
+/// A kind of exchangeable component, e.g. a damage with a location and a stiffness reduction. A
+/// state contains a set of components of one kind, sorted by their first parameter. The prior
+/// density of an ordered set of k components is
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
@@ -60,8 +60,8 @@ struct ComponentRange {
   }
 };
 
-/// A finite list of models over a table of named parameters, each with counts of exchangeable
-/// components.
+/// A finite list of models that share a table of named parameters; each model has counts of
+/// exchangeable components.
 class ModelSpace {
  public:
   struct ListedModel {
@@ -76,7 +76,7 @@ class ModelSpace {
   };
 
   /// Creates a space of any models over a shared table of parameters. Throws std::invalid_argument
-  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or
+  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or prior
   /// weights that are negative or all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);
@@ -128,7 +128,7 @@ class ModelSpace {
   std::vector<Model> models_;
   std::vector<Parameter> parameters_;
   std::vector<ComponentKind> kinds_;
-  std::vector<std::vector<Prior>> priors_;  ///< copies, so that a space can be copied
+  std::vector<std::vector<Prior>> priors_;  ///< copies of the priors, so that a space can be copied
   std::vector<int> neighbours_;
   int max_dimension_ = 0;
 };

@@ -26,8 +26,8 @@ struct Evaluation {
   /// number of components. Births are then proposed at locations where a new component reduces the
   /// residuals.
   std::vector<double> residuals = {};
-  /// The common factor of all standard deviations if the noise is a parameter, and 1 for known
-  /// noise. The product residual · noise_scale then does not depend on the noise.
+  /// The common factor of all noise standard deviations if this factor is a parameter, and 1 for
+  /// known noise. The product residual · noise_scale then does not depend on the noise.
   double noise_scale = 1.0;
 
   /// Resets the values and keeps the memory.
@@ -134,7 +134,7 @@ struct Reflection {
 
 class Move;
 
-/// A user-defined MCMC move, e.g. a Transformation that uses the structure of the problem. The
+/// A user-defined MCMC move, e.g. a Transformation that uses special properties of the problem. The
 /// engine creates the move for each chain and temperature at the start of every round.
 struct NamedMove {
   std::string name;
@@ -158,8 +158,8 @@ struct Problem {
   /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
-  /// samples of the record. The engine then searches modes on records of increasing length. Each
-  /// search starts from the posterior mode for the shorter record. The posterior for the whole
+  /// samples of the record. The engine then searches for modes on records of increasing length.
+  /// Each search starts from the posterior mode for the shorter record. The posterior for the whole
   /// record can have too many modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
@@ -169,8 +169,8 @@ struct Problem {
   bool costly = false;
 };
 
-/// State of a chain: a model and its parameters in standard normal coordinates, with the values of
-/// the target there.
+/// State of a chain: a model and its parameters in standard normal coordinates, and the values of
+/// the target at these coordinates.
 struct State {
   int model = 0;
   std::vector<double> z;  ///< standard normal coordinates, in the layout of Model
@@ -183,12 +183,12 @@ struct State {
   std::vector<double> prediction;
   std::vector<double> residuals;
   double noise_scale = 1.0;
-  bool screened = false;   ///< x, log_screen and residuals belong to z
-  bool evaluated = false;  ///< log_likelihood and prediction also belong to z
+  bool screened = false;   ///< true: x, log_screen and residuals belong to z
+  bool evaluated = false;  ///< true: log_likelihood and prediction also belong to z
 };
 
-/// Thrown if a model's likelihood is never finite under its prior, or too often is NaN or +∞.
-/// The message names the model and the parameter values.
+/// Thrown if a model's likelihood is zero at every draw of its prior, or too often NaN or +∞. The
+/// message names the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -196,11 +196,11 @@ class LikelihoodError : public std::runtime_error {
 
 /// The posterior density of one problem, for one thread. With respect to dz, it is
 ///
-///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
+///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln prior factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these values
-/// are more than 1 % of at least 1000 values of the likelihood or of its approximation, or all of
-/// the first 20 values.
+/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if all of the
+/// first 20 values of the likelihood or of its approximation are NaN or +∞, or more than 1 % of at
+/// least 1000 values.
 class Target {
  public:
   /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument if a factory of the
@@ -255,7 +255,7 @@ class Target {
   }
 
   /// Log of the prior density of z, multiplied by the prior factor of the problem. The state must
-  /// be evaluated.
+  /// have been evaluated.
   [[nodiscard]] double log_prior(const State& state) const;
   /// Log density of the prior with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;

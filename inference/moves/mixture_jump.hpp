@@ -10,8 +10,8 @@
 
 namespace wheeltap::inference {
 
-/// Fits to the pilot samples: for each model a normalised density q_m(z) near its posterior, and a
-/// rough probability ω_m > 0.
+/// Fits to the pilot samples: for each model, a normalised density q_m(z) that approximates its
+/// posterior, and a rough probability ω_m > 0.
 struct PilotFit {
   /// Density of each model; null for a model without parameters
   std::vector<std::unique_ptr<NormalMixture>> density;

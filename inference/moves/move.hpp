@@ -29,8 +29,8 @@ class Kernel {
     bool accepted = false;
     int to_model = 0;  ///< the proposed model
   };
-  /// `work` is the run time of a step without the likelihood evaluations, in equivalent likelihood
-  /// evaluations (see kOperationsACall).
+  /// `work` is the run time of a step without its likelihood evaluations, expressed as a number of
+  /// likelihood evaluations (see kOperationsACall).
   explicit Kernel(std::string name, double work = 0.0) : name_(std::move(name)), work_(work) {}
   virtual ~Kernel() = default;
   Kernel(const Kernel&) = delete;
@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. They take some
-/// microseconds, like a cheap likelihood. Work is counted instead of measured in seconds, so that
-/// draws are the same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. These take some microseconds,
+/// as a cheap likelihood does. Work is counted instead of measured in seconds, so that draws are
+/// the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
@@ -162,9 +162,9 @@ class KernelMixture {
 /// Efficiency of each kernel relative to the best other kernel of its type, limited to the range
 /// from 0.1 to `most`. The efficiency is the number of accepted moves per unit of counted work,
 /// which includes one likelihood evaluation per proposal. For kernels that propose jumps between
-/// models, only jumps count. Kernels without additional work whose `most` is 1 have the efficiency
-/// 1, because some of these kernels reach states that other kernels do not reach. Kernels with too
-/// few proposals also have the efficiency 1.
+/// models, only accepted jumps count. Kernels without additional work whose `most` is 1 have the
+/// efficiency 1, because some of these kernels reach states that other kernels do not reach.
+/// Kernels with too few proposals also have the efficiency 1.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

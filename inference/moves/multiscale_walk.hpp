@@ -1,5 +1,5 @@
-// Symmetric random-walk steps of very different lengths, for posteriors whose width varies with
-// position.
+// Symmetric random-walk steps of very different lengths, for posteriors whose width varies over the
+// parameter space.
 #pragma once
 
 #include "inference/moves/random_walk.hpp"

@@ -15,7 +15,7 @@ namespace wheeltap::inference {
 /// steps (for narrow posterior modes), and 4 in the other steps (for wide posterior modes).
 ///
 /// S (lower triangular, one per block and model) adapts in warm-up by robust adaptive Metropolis
-/// (Vihola 2012, algorithm RAM), towards an acceptance of 0.44 in one dimension and 0.234 in many:
+/// (Vihola 2012, algorithm RAM), to acceptance rates of 0.44 in one dimension and 0.234 in many:
 ///
 ///   S Sᵀ ← S (I + η_n (α - α*) u uᵀ / |u|²) Sᵀ,     η_n = min(1, d n^(-2/3)).
 class RandomWalk : public Move {

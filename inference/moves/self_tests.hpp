@@ -18,8 +18,8 @@ namespace wheeltap::inference {
 struct PriorCheck {
   /// One fault per entry, with the position; empty if no fault was found
   std::vector<std::string> faults;
-  /// ∫ p(x) dx over the middle 1 - 2e-9 of the distribution. The density is normalised if this
-  /// integral is within 1e-6 of 1.
+  /// ∫ p(x) dx over the central interval with the probability 1 - 2e-9. The density is normalised
+  /// if this integral is within 1e-6 of 1.
   double mass = 0.0;
   [[nodiscard]] bool passed() const { return faults.empty(); }
 };
@@ -45,13 +45,13 @@ struct MoveCheck {
   bool passed = true;
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
-  double beta = 0.0;  ///< the largest power of the likelihood that the draws could represent
+  double beta = 0.0;  ///< the largest exponent β of the likelihood used in the tests
   std::string words;  ///< the result in one sentence
 };
 
 /// Checks that a move satisfies detailed balance. With states x from the prior, weights w(x) =
-/// exp(factor + β log likelihood), y proposed from x, and α(x, y) the probability of accepting it
-/// (MetropolisHastings),
+/// exp(ln prior factor + β ln likelihood), y proposed from x, and α(x, y) the probability of
+/// accepting it (MetropolisHastings),
 ///
 ///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///
@@ -60,9 +60,9 @@ struct MoveCheck {
 /// h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
 /// section 2, who test invariance). Half of the tests use β = 0. The other half use the largest β
 /// of 1, ½, ¼, … at which the effective sample size is a twentieth of the draws. The test detects a
-/// wrong ratio, a wrong Jacobian, a ratio that omits the number of choices, and a reverse move that
-/// does not lead back. A move that is never accepted passes; `words` states this. The approximate
-/// likelihood of the problem is not used.
+/// wrong ratio, a wrong Jacobian, a ratio that omits the numbers of possible choices, and a reverse
+/// move that does not lead back. A move that is never accepted passes; `words` states this. The
+/// approximate likelihood of the problem is not used.
 ///
 /// Throws std::invalid_argument for fewer than 100 draws, or if the problem's prior factor or
 /// likelihood is not finite at any draw.

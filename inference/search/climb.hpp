@@ -18,7 +18,7 @@ class Surface {
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
 
   double operator()(const Eigen::VectorXd& z);
-  /// ln π of each column; several columns together are faster. Values below `level` may be -∞.
+  /// ln π of each column; one call for several columns is faster. Values below `level` may be -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
   /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
@@ -53,7 +53,7 @@ class Surface {
   std::vector<double> ordered_, batch_;
   std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
-  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of points without gradient
+  long gradients_ = 0, refusals_ = 0;  ///< number of gradients; number of points without a gradient
   long saved_ = 0;
   std::function<bool()> stop_;
 };
@@ -81,9 +81,9 @@ struct ClimbEnd {
 /// BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to which
 /// steepest ascent would lead. `way / points` is the mean distance between two such points.
 ///
-/// The default steps of the first differences are suitable for a start drawn from the prior. Near a
-/// mode whose width is a thousandth of the width of the prior, these steps give a wrong direction.
-/// If `fine` is true, the steps are reduced until the widths of the mode converge.
+/// The default difference steps for the gradient are suitable for a start drawn from the prior.
+/// Near a mode whose width is a thousandth of the width of the prior, these steps give a wrong
+/// direction. If `fine` is true, the steps are reduced until the widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 
@@ -92,7 +92,7 @@ struct ClimbEnd {
 /// If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance from a mode in units of its standard deviations.
+/// Squared distance of z from a mode, in standard deviations of the mode.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 struct SadeOptions {
   std::uint64_t seed = 1;
-  int population = 0;  ///< 0: 10 per dimension, at least 30
+  int population = 0;  ///< size of the population; 0: 10 per dimension, at least 30
   int generations = 1000;
   double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
   std::vector<std::vector<double>> start = {};  ///< first members of the first population, if not

@@ -22,34 +22,34 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
+  long climbs = 0;  ///< optimisations; 0: as many as `budget` allows, kFewestClimbs to kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// optimisations in progress are finished. Replacements of components may use a further 10 %, or
-  /// as many evaluations as the optimisations before.
+  /// optimisations in progress are finished. Replacements of components may use a further 10 % of
+  /// the budget, or as many evaluations as the optimisations before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record. It multiplies the numbers of
-  /// optimisations from the prior, followed modes, and draws near each mode.
+  /// Factor in (0, 1] on the work for a growing record. The factor multiplies the numbers of
+  /// optimisations from prior draws, followed modes, and draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
-  bool fine = false;  ///< `starts` are near modes: use small first differences (climb.hpp)
-  int threads = 0;    ///< 0: all threads of the machine. Results do not depend on this number.
-  /// Callback, called from one thread with the completed share. If it returns false, the search
-  /// ends.
+  bool fine = false;  ///< `starts` are near modes: use small difference steps (climb.hpp)
+  int threads = 0;    ///< threads; 0: all of the machine. Results do not depend on this number.
+  /// Callback, called from one thread with the completed share. If the callback returns false, the
+  /// search ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Callback, called between two likelihood evaluations by any thread. If it returns true, the
-  /// search ends, and optimisations in progress are discarded.
+  /// Callback, called between two likelihood evaluations by any thread. If the callback returns
+  /// true, the search ends, and optimisations in progress are discarded.
   std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
   std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
-  long climbs = 0;          ///< completed optimisations from points with a positive density
+  long climbs = 0;          ///< number of completed optimisations from points of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
-  /// Number of further modes, which exceeded the limit and were left out, and their share of the
-  /// probability mass by Laplace's method.
+  /// Number of further modes, left out because a search keeps a limited number of modes, and their
+  /// share of the probability mass by Laplace's method.
   long left_out = 0;
   double left_out_share = 0.0;
   long likelihood_evaluations = 0;
@@ -58,7 +58,7 @@ struct ModeSearch {
 inline constexpr long kFewestClimbs = 30;
 inline constexpr long kMostClimbs = 10000;
 
-/// Searches modes by local optimisations from draws of the prior, in standard normal coordinates:
+/// Finds modes by local optimisations from draws of the prior, in standard normal coordinates:
 ///
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
@@ -79,17 +79,17 @@ inline constexpr long kMostClimbs = 10000;
 ///
 /// If the problem can be shortened, the optimisations use its first 50 samples. The number of
 /// samples is then doubled repeatedly. Each mode is followed by optimisations from the previous
-/// mode and from draws of the normal approximation at this mode. If the mode does not exist for
-/// the doubled record (ln π falls by far more than the share of the new samples), the best modes
+/// mode and from draws of the normal approximation at this mode. If the mode does not exist for the
+/// doubled record (it predicts the new samples far worse than the earlier samples), the best modes
 /// are followed with smaller increments of the record. Further optimisations on the whole record
 /// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
 /// With two components or more, optimisations also start from the highest modes with one
 /// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
 ///
-/// If the basin of a mode holds a share p of the prior, all n optimisations miss it with
-/// probability (1-p)^n. The basin contains all points from which an optimisation with finite steps
-/// reaches the mode. From the basin of steepest ascent, it reaches a mode of width w with
+/// If the basin of a mode has the prior probability p, all n optimisations miss it with probability
+/// (1-p)^n. The basin contains all points from which an optimisation with finite steps reaches the
+/// mode. From the basin of steepest ascent, an optimisation reaches a mode of width w with
 /// probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
@@ -100,8 +100,8 @@ inline constexpr long kMostClimbs = 10000;
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
-/// The largest share of the prior in a basin that all n optimisations miss with probability 1 in
-/// 100: 1 - 0.01^(1/n).
+/// The prior probability of a basin that all n optimisations miss with probability 1 in 100: 1 -
+/// 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
 /// The resolution for modes of this width, in standard deviations of the prior, with respect to

@@ -43,7 +43,7 @@ struct Convergence {
 /// and Computing 29:631). The rows of the transition matrix of the visited models get independent
 /// Dirichlet(ε, …, ε) priors, ε = 1 / (number of visited models), and each posterior draw of the
 /// matrix has a stationary vector. The method assumes that the indicator is a Markov chain, which
-/// is nearly true.
+/// holds approximately.
 struct ModelProbabilities {
   /// Posterior mean of each model probability; 0 for a model never visited
   std::vector<double> mean;

@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood of the quantity θ_j of one group, without the prior:
+/// Normal likelihood of the quantity θ_j of one group, without the prior:
 ///
 ///   ln L_j(θ) = c - ½ ((θ - mean) / sd)²;   sd = ∞ for data without information.
 struct GroupEstimate {
@@ -63,7 +63,7 @@ struct HierarchicalPosterior {
   /// Prediction of the estimate that a further group with the error λ would give: N(μ, τ² + λ²).
   LineMixture estimate;
   std::vector<double> scatter, weight;  ///< quadrature nodes τ and their probabilities
-  double own_error = 0.0;               ///< error λ of a group
+  double own_error = 0.0;               ///< standard error λ of a group
   int groups = 0;                       ///< number of groups with information
 };
 
@@ -72,12 +72,12 @@ struct HierarchicalPosterior {
 [[nodiscard]] HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                                            const HierarchicalOptions& options = {});
 
-/// Ratio of the standard deviation of the groups' means to their errors, and the probability that
+/// Ratio of the scatter of the groups' means to their standard errors, and the probability that
 /// errors alone cause a larger ratio: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the
 /// weighted mean m (Birge 1932).
 struct BirgeRatio {
   double ratio = 1.0;
-  double p_value = 1.0;  ///< P(χ² with n - 1 degrees of freedom is larger)
+  double p_value = 1.0;  ///< probability that χ² with n - 1 degrees of freedom is larger
 };
 [[nodiscard]] BirgeRatio birge_ratio(std::span<const GroupEstimate> groups);
 

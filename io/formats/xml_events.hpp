@@ -1,5 +1,5 @@
-// Reading of the elements of an XML document in their order in the document (with the library
-// expat).
+// Reading of an XML document with the library expat, element by element in the order of the
+// document.
 #pragma once
 
 #include <functional>

@@ -24,7 +24,7 @@ inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 /// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError (missing) if the
 /// file or folder does not exist. Throws FileError (corrupt) if the file or folder does not contain
 /// this matrix; the message lists the matrices that exist. Throws FileError (corrupt) if the matrix
-/// is not real or has an index out of range. Also throws the errors of `parse_matrix_market`.
+/// is not real or has an index out of range. Also throws the same errors as `parse_matrix_market`.
 [[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
                                               const std::string& name);
 

@@ -38,7 +38,7 @@ class NetcdfWriter {
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
   /// Writes the attributes that ArviZ defines for program, version and creation time, and the
-  /// identifier of the run. Throws the errors of date_of_files.
+  /// identifier of the run. Also throws the exceptions that date_of_files throws.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);

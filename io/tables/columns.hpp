@@ -17,8 +17,8 @@ namespace wheeltap::io {
 struct Column {
   std::string header = {};  ///< header in the file: "force [N]", "X1(:,2)"; "3" in a file without
                             ///< names
-  std::string name = {};    ///< "force"
-  std::string unit = {};    ///< "N", or empty
+  std::string name = {};    ///< name: "force"
+  std::string unit = {};    ///< unit: "N"; may be empty
   std::vector<double> values = {};
   /// The printed precision of the column: the largest number of digits after the decimal point, and
   /// the largest number of significant digits. Both numbers are negative for binary files.

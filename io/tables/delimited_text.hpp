@@ -99,8 +99,8 @@ class DelimitedText {
   std::vector<Column> headers_;
   std::vector<std::size_t> starts_;         ///< start of each row in the text
   std::vector<int> skipped_;                ///< rows preceded by a line that is not a row
-  std::vector<std::pair<int, int>> empty_;  ///< empty lines: the next row, the line number
-  std::vector<std::pair<std::size_t, int>> comments_;  ///< comments of the head: start, line
+  std::vector<std::pair<int, int>> empty_;  ///< empty lines: next row and line number
+  std::vector<std::pair<std::size_t, int>> comments_;  ///< comments above the rows: offset, line
 };
 
 /// Reads a delimited text as a table. Throws FileError (corrupt).

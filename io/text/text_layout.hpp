@@ -12,8 +12,8 @@ namespace wheeltap::io {
 /// The layout of a text as stated by the caller. If an option is not set, its value is detected.
 /// Line numbers start at 1.
 struct TextLayout {
-  std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
-  std::optional<char> decimal = {};    ///< '.' or ','
+  std::optional<char> separator = {};  ///< ',', ';', '\t', '|', or ' ' for runs of blanks
+  std::optional<char> decimal = {};    ///< decimal mark: '.' or ','
   std::optional<int> skip = {};        ///< number of lines to skip before detection
   std::optional<int> header = {};      ///< line of the column names; 0: no line of names
   std::optional<int> units_row = {};   ///< line of the column units; 0: no line of units

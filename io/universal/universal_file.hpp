@@ -18,7 +18,7 @@
 namespace wheeltap::io {
 
 /// A degree of freedom of a node. The directions 1, 2, 3 are translations along +x, +y, +z; 4, 5, 6
-/// are rotations about these axes. A negative number is the opposite direction; 0 is a scalar.
+/// are rotations about these axes. A negative number means the opposite direction, 0 a scalar.
 struct UniversalDof {
   std::string entity = {};  ///< "NONE" in files is empty here
   int node = 0;
@@ -111,7 +111,7 @@ struct UniversalSystem {
   std::array<std::array<double, 3>, 4> axes = {};
 };
 
-/// Dataset 82: nodes to be joined by lines; 0 starts a new line.
+/// Dataset 82: nodes to be joined by lines; the number 0 starts a new line.
 struct UniversalTrace {
   int number = 0;
   int colour = 0;
@@ -143,8 +143,8 @@ struct UniversalFile {
   std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< number of datasets of each number that were skipped; 2414
-                                     ///< if its values are not at nodes
+  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number; 2414 is
+                                     ///< skipped if its values are not at nodes
 
   /// The file's unit of length in metres.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }
@@ -155,8 +155,8 @@ struct UniversalFile {
 /// numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);
-/// Reads and parses a universal file. Throws the exceptions of parse_universal_file, and FileError
-/// (missing).
+/// Reads and parses a universal file. Throws the same exceptions as parse_universal_file, and
+/// FileError (missing).
 [[nodiscard]] UniversalFile read_universal_file(const std::filesystem::path& path);
 
 /// Returns the bytes of a universal file with this content. A function with `binary` = true is
@@ -166,8 +166,8 @@ struct UniversalFile {
 
 /// Converts the functions of a file to a table. All functions must have the same abscissa. The
 /// first column is the abscissa. Each real function becomes one column, and each complex function
-/// two columns (", real" and ", imaginary"). Values are converted to SI if the axis does not name a
-/// unit, and dataset 164 and the powers of the axis define the unit. Throws FileError (corrupt) if
+/// two columns (", real" and ", imaginary"). Values are converted to SI if the axis names no unit
+/// and its unit follows from dataset 164 and the powers of the axis. Throws FileError (corrupt) if
 /// the file contains no function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);

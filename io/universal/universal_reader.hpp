@@ -202,7 +202,7 @@ class Reader {
   std::ptrdiff_t number_ = 0;
 };
 
-/// Read a dataset (15, 2411, 82, 2412 or 2420) and append its content to the list.
+/// Each function reads a dataset (15, 2411, 82, 2412 or 2420) and appends its content to `out`.
 void read_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_double_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_traces(Reader& in, std::vector<UniversalTrace>& out);

@@ -1,8 +1,8 @@
 // Modes from free decays: the eigensystem realisation algorithm, with the covariance of all
 // results.
 //
-// After an impact or a release, the response is y(k Δt) = C A^k x₀. The samples of the responses
-// replace the output covariances of stochastic_subspace.hpp. Each decay has its own initial state
+// After an impact or a release, the response is y(k Δt) = C A^k x₀. The response samples take the
+// place of the output covariances of stochastic_subspace.hpp. Each decay has its own initial state
 // x₀ and serves as a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
 //
 // Poles that fit noise can be as stable over the model orders as poles of vibration modes. A pole
@@ -25,8 +25,8 @@ namespace wheeltap::signals {
 
 /// Identifies modes from free decays. `decays` holds one matrix per decay, with one channel per
 /// row. Each decay must begin after the end of the last force. All decays are cut to the length of
-/// the shortest decay. ModalOptions::blocks is the number of surrogates of the noise (0: 200).
-/// ModalOptions::lags is the number of samples used (0: the largest possible number).
+/// the shortest decay. ModalOptions::blocks is the number of surrogate noise records (0: 200).
+/// ModalOptions::lags is the number of samples used of each decay (0: the largest possible number).
 /// ModalOptions::references is not used. Throws std::invalid_argument for an invalid band, decays
 /// with different numbers of channels, channels that are constant or not finite, and decays too
 /// short for any order.

@@ -9,9 +9,9 @@
 // unknown factor a_s. With the entries r_s of this shape at the references, and the mean r of all
 // r_s,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
-// where u_s is the inverse variance of r_s. The set-ups are independent. Their covariances and the
-// derivatives of the merged results (for shapes, central differences) give the covariances of the
-// merged results.
+// where u_s is the inverse variance of r_s. The set-ups are statistically independent. Their
+// covariances and the derivatives of the merged results (for shapes, central differences) give the
+// covariances of the merged results.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ namespace wheeltap::signals {
 /// The modes of one set-up, with the sensor of each channel.
 struct SetUpModes {
   std::vector<Mode> modes = {};
-  Eigen::MatrixXd covariance = {};  ///< all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies, then all damping ratios
   std::vector<int> sensors = {};    ///< sensor of each channel
 };
 
@@ -56,13 +56,13 @@ struct MergedMode {
 
 struct MergedModes {
   std::vector<MergedMode> modes = {};  ///< merged modes by ascending frequency
-  Eigen::MatrixXd covariance = {};     ///< all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};     ///< covariance of all frequencies, then damping ratios
   std::vector<int> references = {};    ///< sensors that occur in every set-up
 };
 
 /// Merges the modes of several set-ups. Modes of two set-ups match if their frequencies differ by
-/// less than 2 % or five standard deviations, and |Δf|/f + 1 - MAC at the references is small
-/// (average_linkage with the threshold 0.15). If a mode is not identified in some set-ups, the
+/// less than 2 % or five standard deviations, and their mean distance |Δf|/f + 1 - MAC at the
+/// references is at most 0.15 (average_linkage). If a mode is not identified in some set-ups, the
 /// merged shape has no entries (NaN) at the sensors that only these set-ups have. `sensors` is the
 /// total number of sensors. Throws std::invalid_argument for an empty list of set-ups, set-ups
 /// without a common sensor, and a sensor number that is out of range or occurs twice in one set-up.

@@ -27,11 +27,11 @@ struct SetUpCovariances {
   std::vector<int> sensors = {};  ///< sensor of each channel, among all sensors
 };
 
-/// Merges the covariances of several set-ups. `sensors` is the total number of sensors. If a sensor
-/// that is not a reference occurs in several set-ups, the first set-up is used for this sensor.
-/// `columns` is the number q of block columns of the Hankel matrix, and `rank` is n. Throws
-/// std::invalid_argument if the rank exceeds the number of rows or columns of the matrix of the
-/// references.
+/// Merges the covariances of several set-ups. `sensors` is the number of sensors of all set-ups
+/// together. For a sensor that is not a reference but occurs in several set-ups, the function uses
+/// the first set-up. `columns` is the number q of block columns of the Hankel matrix, and `rank` is
+/// n. Throws std::invalid_argument if the rank exceeds the number of rows or columns of the matrix
+/// of the references.
 [[nodiscard]] HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups,
                                              int sensors, int columns, int rank);
 

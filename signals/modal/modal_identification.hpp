@@ -12,14 +12,14 @@ namespace wheeltap::signals {
 
 struct ModalOptions {
   double sample_rate_hz = 1.0;
-  double lowest_hz = 0.0, highest_hz = 0.0;  ///< frequency band; 0: up to 0.45 of the sampling rate
+  double lowest_hz = 0.0, highest_hz = 0.0;  ///< band; highest_hz = 0: 0.45 of the sampling rate
   int largest_order = 0;                     ///< largest model order; 0: 10 per channel, limited to
                                              ///< 20 … 80
   int lags = 0;    ///< number of lags p + q; 0: enough for the model orders and a period of the
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
   std::vector<int> references = {};  ///< reference channels; empty: all channels
-  /// Poles of the diagram that the user chose as modes; if empty, modes are selected automatically.
+  /// Poles chosen by the user in the stabilisation diagram; if empty, selection is automatic.
   std::vector<ChosenPole> poles = {};
   int threads = 0;
 };
@@ -30,13 +30,13 @@ enum class ModeDoubt {
                     ///< this mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
-  tone,             ///< very low damping ratio and a constant amplitude, like a harmonic of a
+  tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
                     ///< machine
   /// Another mode has the same shape, and the frequencies differ by less than their standard
   /// deviations. Or another mode with the same shape is within the half-power bandwidths and has a
   /// smaller uncertainty.
   twin,
-  at_the_edge  ///< distance to an end of the band is below a twentieth of its width
+  at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
 
 /// Smallest modal phase collinearity of a mode shape that is not doubtful.
@@ -46,8 +46,8 @@ struct Mode {
   Pole pole = {};
   double collinearity = 0.0;     ///< modal phase collinearity
   double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< number of model orders with this mode; number of model orders
-                                 ///< from the first order with this mode
+  int present = 0, orders = 0;   ///< number of model orders with this mode; number of all model
+                                 ///< orders from the first order with this mode on
   double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
                                     ///< a sine, 2 for noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
@@ -77,8 +77,8 @@ struct ModalRemarks {
                               ///< of spectral lines
   int moved = 0;              ///< number of modes whose refined pole is far from the pole chosen in
                               ///< the diagram
-  std::vector<std::string> unsettled = {};  ///< bands with unreliable posterior draws, with the
-                                            ///< reason
+  std::vector<std::string> unsettled = {};  ///< frequency bands with unreliable posterior draws,
+                                            ///< each with the reason
 };
 
 struct ModalResult {
@@ -86,7 +86,7 @@ struct ModalResult {
   std::vector<Mode> modes = {};     ///< modes by ascending frequency
   Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
-  bool chosen_by_hand = false;  ///< the modes are poles that the options list
+  bool chosen_by_hand = false;  ///< true: the modes are the poles that the user chose
   Eigen::VectorXd singular_values = {};
   double sample_rate_hz = 0.0;  ///< after decimation
   double lowest_hz = 0.0, highest_hz = 0.0;
@@ -94,38 +94,38 @@ struct ModalResult {
   double block_seconds = 0.0;
   int set_ups = 1;     ///< number of set-ups merged before identification
   long lines = 0;      ///< number of spectral lines of the frequency response functions
-  int replicates = 0;  ///< bootstrap replicates, or surrogates of the noise
+  int replicates = 0;  ///< number of bootstrap replicates, or of surrogate noise records
   std::vector<int> references = {};
-  Eigen::MatrixXd singular_spectrum = {};  ///< for peaks of spectra: frequency of the line [Hz],
-                                           ///< first singular value
-  int segments = 0, segment = 0;  ///< segments of these spectra: number of segments, samples per
-                                  ///< segment
+  Eigen::MatrixXd singular_spectrum = {};  ///< for peaks of spectra, one row per line: frequency
+                                           ///< [Hz], first singular value
+  int segments = 0, segment = 0;           ///< number of segments of these spectra; samples per
+                                           ///< segment
   ModalRemarks remarks = {};
 };
 
 /// Identifies modes from `records`, with one channel per row. This function decimates the records
-/// to the band and identifies the modes twice. In the first identification, the lags cover one
-/// period of the lowest frequency of the band. In the second identification, the lags cover one
-/// period of the lowest mode, because more lags increase the variance of the estimates. Poles
-/// chosen by the user replace the modes of the last diagram; they do not change the diagram. Throws
-/// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional
-/// to another channel or not finite, and std::invalid_argument for an invalid band and for records
-/// too short for any order.
+/// to a sampling rate that suffices for the band, and identifies the modes twice. In the first
+/// identification, the lags cover one period of the lowest frequency of the band. In the second
+/// identification, the lags cover one period of the lowest mode, because more lags increase the
+/// variance of the estimates. Poles chosen by the user replace the modes of the last diagram; they
+/// do not change the diagram. Throws ChosenPoleError, ChannelError (signals/refuse.hpp) for
+/// channels that are constant, proportional to another channel or not finite, and
+/// std::invalid_argument for an invalid band and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 
 /// Identifies modes from several set-ups, whose covariances are merged before identification
 /// (merged_subspace.hpp). `sensors` gives the sensor number of each channel of each record, out of
-/// `count` sensors. `references` gives the channels of the common reference sensors, in the same
-/// order. The number of references limits the model orders; options.references is not used. Throws
-/// std::invalid_argument like identify_modes.
+/// `count` sensors. For each record, `references` gives the channels of the common reference
+/// sensors, in the same order. The number of references limits the model orders; options.references
+/// is not used. Throws std::invalid_argument like identify_modes.
 [[nodiscard]] ModalResult identify_set_ups(const std::vector<Eigen::MatrixXd>& records,
                                            const std::vector<std::vector<int>>& sensors,
                                            const std::vector<std::vector<int>>& references,
                                            int count, const ModalOptions& options);
 
-/// Checks and completes the band in `out`, and returns the records decimated to this band. Throws
-/// std::invalid_argument like identify_modes. Public for the implementations of the methods.
+/// Checks and completes the band in `out`, and returns the records, decimated to suit this band.
+/// Throws std::invalid_argument like identify_modes. Public for the implementations of the methods.
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
 

@@ -26,7 +26,7 @@ struct ModalModel {
                                                        ///< spectral line, outputs × inputs
   double squares = 0.0;  ///< Σ |H - fitted|² over all entries and lines
   /// Leverage of each spectral line: the mean of the diagonal of the hat matrix. Only `refine` sets
-  /// it. For noise of variance σ², the residuals have the variance σ² (1 - leverage).
+  /// the leverage. For noise of variance σ², the residuals have the variance σ² (1 - leverage).
   Eigen::VectorXd leverage = {};
 };
 

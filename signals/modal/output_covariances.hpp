@@ -17,9 +17,9 @@ struct CovarianceOptions {
 };
 
 /// The output covariances R_i = 1/n Σ_k y_{k+i} y_{k,ref}ᵀ, i = 1 … lags, of detrended channels
-/// divided by their standard deviations. A product belongs to the block of its earlier sample, and
-/// every lag has the same number of products. The mean of R_i over the blocks therefore equals R_i
-/// of all samples.
+/// divided by their standard deviations. A product of two samples belongs to the block of the
+/// earlier sample, and every lag has the same number of products. The mean of R_i over the blocks
+/// therefore equals R_i of all samples.
 struct OutputCovariances {
   int lags = 0;
   long samples = 0;             ///< number of samples per block

@@ -44,9 +44,9 @@ struct PolyreferenceFit {
   ModalModel model = {};         ///< modal model with the modes in the same order
 };
 
-/// Computes the poles for the polynomial order n. The result contains only poles within the band of
-/// the spectral lines whose damping ratio is above 0 or slightly below 0. Throws
-/// std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
+/// Computes the poles for the polynomial order n. The result contains only poles within the
+/// frequency band of the spectral lines and with a damping ratio above 0 or slightly below 0.
+/// Throws std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
 /// Identifies modes from frequency response functions. This function selects the modes from a

@@ -89,11 +89,11 @@ struct Stabilisation {
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
 /// therefore a candidate only if its model order contains all steady modes, including those outside
 /// the band, and all modes whose resonance peaks overlap with the peak of this mode. If no pole of
-/// these model orders has an uncertainty as small as the best pole, the best poles of these model
-/// orders are the candidates. If these model orders have fewer than three poles, or if their best
-/// pole has more than twice the smallest uncertainty, poles of every model order can be candidates.
-/// Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the median of all
-/// poles represents the cluster.
+/// these model orders has an uncertainty as small as the best pole of the cluster, the best poles
+/// of these model orders are the candidates. If these model orders have fewer than three poles, or
+/// if their best pole has more than twice the smallest uncertainty, poles of every model order can
+/// be candidates. Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the
+/// pole with the median frequency of all poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -128,7 +128,7 @@ inline constexpr double kChosenWithin = 0.005;
 /// not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
-/// Computes the distance d of two poles.
+/// Computes the distance d = |Δf| / max f + 1 - MAC of two poles.
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
 
 /// Divides the values `sorted` into two classes by least squares. Returns the index of the smallest

@@ -42,7 +42,7 @@ struct Pole {
   double frequency_hz = 0.0;
   double damping = 0.0;
   Eigen::VectorXcd shape;     ///< one entry per channel, largest entry 1
-  double frequency_sd = 0.0;  ///< [Hz]; NaN if not requested
+  double frequency_sd = 0.0;  ///< standard deviation of the frequency [Hz]; NaN if not requested
   double damping_sd = 0.0;
 };
 
@@ -76,8 +76,8 @@ struct HankelFactor {
 
 class StochasticSubspace {
  public:
-  /// Throws std::invalid_argument for a time step <= 0, so many columns that no block row remains,
-  /// and a model order too large for H.
+  /// Throws std::invalid_argument for a time step <= 0, a number of columns that leaves no block
+  /// row, and a model order too large for H.
   StochasticSubspace(const OutputCovariances& covariances, SubspaceOptions options);
 
   /// Uses a given Hankel matrix, for example that of merged set-ups; `columns` of the options is
@@ -91,7 +91,7 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles `places` of a model order, and the change of each pole by each data block.
+  /// Returns the poles of a model order with the indices `places`, and their changes by data block.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:

@@ -119,7 +119,7 @@ TEST(CommandLine, BadCasesEndWith65AndNameThePlace) {
   expect_refusal(where, with("data.frequencies=[13.8,\"NaN\"]"), 65, {"/data/frequencies/1"});
   expect_refusal(where, with("data.frequencies=[13.8,NaN]"), 65, {"/data/frequencies"});
   expect_refusal(where, with("predictor={\"sites\":[2,9],\"multipliers\":[0.4,1]}"), 65,
-                 {"/damage/location", "emulator's box", "uniform [0, 1]"});
+                 {"/damage/location", "training domain", "uniform [0, 1]"});
   EXPECT_FALSE(std::filesystem::exists(where / "out/summary.json"));
   const auto broken =
       where.write("broken.json", "{\"kind\": \"damage\",\n  \"beam\": {\"length\": NaN}}");

@@ -284,7 +284,7 @@ TEST(DamageProblem, RefusesAPriorOutsideTheEmulatorsBox) {
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), Exit::bad_input);
     EXPECT_THAT(failure.what(), HasSubstr("/damage/location"));
-    EXPECT_THAT(failure.what(), HasSubstr("uniform [0, 1] reaches outside the emulator's box"));
+    EXPECT_THAT(failure.what(), HasSubstr("uniform [0, 1] exceeds the training domain"));
   }
 }
 

@@ -23,8 +23,8 @@ TEST(FitWords, ResponsesOfOneKindShareASentence) {
       in_words(verdict),
       ElementsAre(
           "The residual of \"a\" is 12 % of the response (correlation 0.99 at lag 1) and of \"b\" "
-          "11 % (correlation -0.50 at lag 4; a chain of masses with free cubic springs leaves 3 "
-          "%), "
+          "11 % (correlation -0.50 at lag 4; a chain of masses with free cubic springs leaves a "
+          "residual of 3 %), "
           "and not "
           "noise. The credible intervals do not include a model error of this size: add a model "
           "that explains more of the response.",

@@ -176,7 +176,7 @@ TEST_F(MemberGroups, Refusals) {
   given["data"]["frequencies"] = {10.0, 20.0};
   json bad = given;
   bad["damage"].erase("groups");
-  refused(bad, "/damage/groups: is missing: must be an object with a list of members");
+  refused(bad, "/damage/groups: is missing: must be an object that maps each substructure");
   bad = given;
   bad["damage"]["groups"]["beams"] = {"floor", "rof"};
   refused(

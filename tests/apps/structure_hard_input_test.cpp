@@ -135,7 +135,7 @@ TEST_F(StructureHardInput, RigidSupportsTakeModes) {
   json c = bracket(kind(R"({"kind": "support", "fix": ["y"], "stiffness": "rigid", "on": ["arm"],
                             "truth": [{"member": "arm", "location": 0.5}]})"));
   c["data"]["modes"] = 18;
-  expect_refusal(c, "/data/modes", "must be at most 17, the elastic modes of this mesh that");
+  expect_refusal(c, "/data/modes", "must be at most 17, the number of elastic modes of this");
   c["data"]["modes"] = 17;
   EXPECT_EQ(run(c).exit_code, 0);
 }

@@ -137,8 +137,8 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
                 "\"displacement\" by 7 dB"));
   EXPECT_NEAR(d["resolution"].get<double>(), 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
-            "posterior modes with a basin of attraction below 2.3 % of the prior may have been "
-            "missed");
+            "posterior modes with a basin of attraction below 2.3 % of the prior probability may "
+            "have been missed");
   EXPECT_TRUE(d["resolution_width"].is_null());
 }
 
@@ -154,10 +154,10 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   EXPECT_EQ(d["resolution_width"], 0.3);
   EXPECT_EQ(
       d["resolution_words"],
-      "posterior modes with a basin of attraction below 2.3 % of the prior may have been missed. "
-      "This limit increases as 1 / width for posterior modes narrower than 0.3 standard "
-      "deviations of the prior; posterior modes narrower than 0.007 standard deviations may have "
-      "been missed in any case");
+      "posterior modes with a basin of attraction below 2.3 % of the prior probability may have "
+      "been missed. This limit increases as 1 / width for posterior modes narrower than 0.3 "
+      "standard deviations of the prior; posterior modes narrower than 0.007 standard deviations "
+      "may have been missed in any case");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {

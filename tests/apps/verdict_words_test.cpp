@@ -58,8 +58,8 @@ TEST(VerdictWords, OfEachReason) {
                                         .limit = 0.7,
                                         .by_evidence = {.value = 0.001, .mcse = 0.0001},
                                         .factor = 21.2}),
-            "The evidence of model 'two' is uncertain: its largest importance weights decay too "
-            "slowly (Pareto k 0.93, must be at most 0.7), so that the estimate may be too small "
+            "The evidence of model 'two' is uncertain: the tail of its importance weights is too "
+            "heavy (Pareto k 0.93, must be at most 0.7), so that the estimate may be too small "
             "by a factor of 21; its evidence implies P ≈ 0.001 ± 0.0001. Use more mode searches "
             "(--search) "
             "or longer chains (--warmup, --draws).");

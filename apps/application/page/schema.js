@@ -151,11 +151,11 @@ export class Rules {
     if (this.isPrior(rule)) return 'a prior';
     if (found.description && found.description.length < 60) return found.description;
     const type = this.types(rule)[0];
-    if (found.enum) return found.enum.length > 2 ? 'a word of the list' : found.enum.map((one) => JSON.stringify(one)).join(' or ');
+    if (found.enum) return found.enum.length > 2 ? 'one of several words' : found.enum.map((one) => JSON.stringify(one)).join(' or ');
     if (type === 'object' && found.required) return `an object with ${found.required.join(', ')}`;
     if (type === 'object' && found.properties) return `an object with ${Object.keys(found.properties).slice(0, 3).join(', ')}`;
     if (type === 'array') return `a list of ${this.types(found.items ?? {})[0] === 'array' ? 'lists' : `${this.types(found.items ?? {})[0] ?? 'value'}s`}`;
-    return type === 'string' ? 'a text' : `a ${type ?? 'value'}`;
+    return type === 'string' ? 'a string' : `a ${type ?? 'value'}`;
   }
 }
 

@@ -18,7 +18,7 @@ const reach = async (address, options) => {
   try {
     response = await fetch(address, options);
   } catch {
-    throw new Error('The application does not answer. Start it again with wheeltap app, and open the address that it prints.');
+    throw new Error('The application does not answer. Start it again with wheeltap app, and open the URL that it prints.');
   }
   return answer(response);
 };

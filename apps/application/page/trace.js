@@ -13,7 +13,7 @@ export const stagesOf = (run) => (run.stages ?? []).map((stage, i, all) => {
 export const traceView = (run) => {
   const { seconds: times, models } = run.trace, shown = models.slice(0, most);
   const now = shown.map((model) => `${model.name} ${model.probability.at(-1)?.toFixed(2) ?? '–'}`).join(', ');
-  const drawn = plot({ width, height, xs: [times[0], Math.max(times.at(-1), times[0] + 1)], ys: [0, 1], xLabel: 'time of the run [s]', yLabel: 'probability',
+  const drawn = plot({ width, height, xs: [times[0], Math.max(times.at(-1), times[0] + 1)], ys: [0, 1], xLabel: 'elapsed time [s]', yLabel: 'probability',
     label: `Probability of each model by the draws so far: ${now}` });
   for (const { name, begin } of run.stages ?? []) {
     if (begin <= times[0] || begin > times.at(-1)) continue;

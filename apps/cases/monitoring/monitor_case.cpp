@@ -513,7 +513,7 @@ void read_series_of_tests(const SeriesColumns& columns, const ModesReading& read
     out.tests->checksums.push_back(test.checksum);
     if (!test.fault.empty())
       out.warnings.push_back("No modes were identified in " + io::printable(test.name) + ": " +
-                             test.fault + ". Its features are missing.");
+                             test.fault + ". The features of this test are missing.");
   }
   read_learning(out);
   const auto records = identified_records(tests);

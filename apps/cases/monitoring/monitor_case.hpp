@@ -1,4 +1,4 @@
-// A monitor case: a table of features and covariates, and the period known to be healthy.
+// A monitor case: a table of features and covariates, and a period with a healthy structure.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace wheeltap::apps {
 /// The format of the times in the series.
 struct TimeAxis {
   double hours_per_unit = 1.0;
-  std::string unit = "h";                              ///< "s", "min", "h", "d", "row"; "date"
-  std::optional<std::int64_t> start_nanoseconds = {};  ///< time zero of dates, since 1970
+  std::string unit = "h";                              ///< "s", "min", "h", "d", "row" or "date"
+  std::optional<std::int64_t> start_nanoseconds = {};  ///< time zero of dates [ns since 1970]
   bool has_zone = false;  ///< true if dates state their offset from UTC
   /// Converts a time in hours to the format of the case: a number, or a string for dates.
   [[nodiscard]] Report written(double hours) const;
@@ -31,7 +31,7 @@ struct TimeAxis {
 struct TrackedTests {
   std::vector<std::string> names = {};  ///< file of each test (row)
   std::vector<identification::monitoring::TrackedMode> modes = {};
-  /// n x K: probability of the assignment to a tracked mode or, if the mode is missing, of its
+  /// n x K (tests x tracked modes): probability of the assignment or, for a missing mode, of its
   /// absence.
   Eigen::MatrixXd probability = {};
   std::vector<std::uint64_t> checksums = {};  ///< checksums of the files' contents
@@ -42,12 +42,12 @@ struct MonitorCaseFile {
   std::string title;
   TimeAxis time = {};
   identification::monitoring::Series series = {};  ///< all rows of the table
-  Eigen::MatrixXd features = {};                   ///< n x p: values of the table
+  Eigen::MatrixXd features = {};                   ///< n x p (rows x features): values of the table
   int learning_rows = 0;
   identification::monitoring::MonitorOptions options = {};
   /// Set if the features come from modes or records
   std::optional<TrackedTests> tests = {};
-  std::optional<MonitoredStructure> structure = {};  ///< structure that explains changes
+  std::optional<MonitoredStructure> structure = {};  ///< structure with which changes are explained
   std::vector<std::string> warnings = {};
 };
 
@@ -57,12 +57,12 @@ struct MonitorCaseFile {
 /// period; a training period that is empty or has not ended.
 [[nodiscard]] MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading = {});
 
-/// The location in a valid case of the key that names the files of the series: /series/file,
+/// The location of the key that names the files of the series in a valid case: /series/file,
 /// /series/modes or /series/records/files.
 [[nodiscard]] Pointer source_of(const CaseFile& file);
 
-/// The state of the files of the series, as text. The text changes if a file is added or written.
-/// It is empty if the case cannot be read.
+/// A text that changes if a file of the series is added or written. The text is empty if the case
+/// cannot be read.
 [[nodiscard]] std::string files_now(const CaseFile& file);
 
 }  // namespace wheeltap::apps

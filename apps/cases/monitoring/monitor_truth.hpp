@@ -1,5 +1,5 @@
-// The truth of a monitor case, for `wheeltap simulate`: features under weather over years, with
-// changes.
+// The truth of a monitor case, for `wheeltap simulate`: features over years, with effects of the
+// weather and changes of the structure.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct SimulatedTable {
   std::uint64_t seed = 1;
 };
 
-/// Simulates the table of a monitor case with "truth"; its file need not exist. If `seed` is empty,
-/// the seed of the truth is used, or 1. Throws Failure (65).
+/// Simulates the table of a monitor case with "truth"; the file of the table need not exist. If
+/// `seed` is empty, the seed of the truth is used; its default is 1. Throws Failure (65).
 [[nodiscard]] SimulatedTable simulated_table(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

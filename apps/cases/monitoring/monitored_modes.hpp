@@ -18,7 +18,7 @@ struct MonitoredTest {
   std::string name = {};       ///< folder and file name
   std::uint64_t checksum = 0;  ///< checksum of the file's content
   ModesFile modes = {};
-  std::string fault = {};  ///< reason why no modes were identified; empty if modes were identified
+  std::string fault = {};  ///< reason why the modes are missing; empty if modes were identified
 };
 
 struct ModesReading {
@@ -32,13 +32,13 @@ struct ModesReading {
   std::function<void(double fraction)> progress = nullptr;
 };
 
-/// The modes.json files at `path`. If `path` is a folder: its .json files, and the modes.json files
-/// in its subfolders. If it is a text file without the extension .json: the listed files, one path
-/// or run folder per line. If it is a .json file: this file.
+/// The modes.json files at `path`. A folder contributes its .json files and the modes.json files in
+/// its subfolders. A text file without the extension .json lists one path or run folder per line.
+/// For a .json file, the result is this file.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
-/// The files that `names` specify, in order of names. In the last part of a name, "*" matches any
-/// text and "?" any character. Names at /series/modes have the forms of mode_files.
+/// The files that `names` specify, in this order. In the last part of a name, "*" matches any text
+/// and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
 [[nodiscard]] std::vector<std::filesystem::path> listed_files(
     const CaseFile& file, const Pointer& where, const std::vector<std::string>& names);
 
@@ -50,8 +50,8 @@ struct ModesReading {
 [[nodiscard]] std::vector<MonitoredTest> read_modes_of_tests(const CaseFile& file,
                                                              const ModesReading& reading);
 
-/// Identifies the modes of the records at /series/records with the modal case of this key, several
-/// records in parallel. Throws Failure if the modal case is invalid, or if no record gives modes.
+/// Identifies the modes of the records at /series/records, in parallel, with the modal case in this
+/// block. Throws Failure if the modal case is invalid, or if no record gives modes.
 [[nodiscard]] std::vector<MonitoredTest> identify_tests(const CaseFile& file,
                                                         const ModesReading& reading);
 

@@ -15,8 +15,8 @@ struct PlanCaseFile {
   identification::planning::PlanCase plan;
   /// The candidate sensors, in the form of data.sensors of a damage case.
   std::vector<Json> sensors = {};
-  /// Locations of the candidates on the drawing [m], and their directions; empty for a structure of
-  /// matrices.
+  /// Locations of the candidates on the drawing [m], and their directions; empty for a structure
+  /// given by matrices.
   struct Drawn {
     fem::Vector3 at = {}, direction = {};
   };

@@ -11,7 +11,7 @@ namespace wheeltap::apps {
 
 /// The cells of a CSV file that hold the frequencies.
 struct FrequencyCells {
-  /// Names (or 1-based numbers) of the columns of mode 1, 2, … in a file with one test per row. If
+  /// For a file with one test per row: names or 1-based numbers of the columns of modes 1, 2, …. If
   /// the list is empty, the file has one mode per row, in a column "frequency" and optionally a
   /// column "sd". Units in brackets are allowed. `wheeltap simulate` writes files of this form.
   std::vector<std::string> columns;
@@ -37,10 +37,10 @@ struct FrequencyTable {
                                                 const FrequencyCells& cells);
 
 /// Parses the frequencies of repeated tests. The text has one test per row and one mode per column.
-/// `columns` are names (or 1-based numbers) of the columns of mode 1, 2, …. If the list is empty,
-/// this function uses the columns with a unit of frequency. If no column has such a unit, it uses
-/// all columns. The result has one row per test, in Hz, with NaN for a missing value. Every row
-/// must have as many cells as the header. Throws like parse_frequency_csv.
+/// `columns` are the names (or 1-based numbers) of the columns of modes 1, 2, …. If the list is
+/// empty, this function uses the columns with a unit of frequency. If no column has such a unit, it
+/// uses all columns. The result has one row per test, in Hz, with NaN for a missing value. Every
+/// row must have as many cells as the header. Throws like parse_frequency_csv.
 [[nodiscard]] std::vector<std::vector<double>> parse_repeats_csv(
     std::string bytes, const std::filesystem::path& name, const std::vector<std::string>& columns);
 
@@ -48,7 +48,7 @@ struct FrequencyTable {
 [[nodiscard]] std::vector<std::vector<double>> read_repeats_csv(
     const std::filesystem::path& path, const std::vector<std::string>& columns);
 
-/// CSV text of mode, frequency and standard deviation, one mode per row.
+/// CSV text with the columns mode, frequency and standard deviation, one mode per row.
 [[nodiscard]] std::string frequency_csv(const FrequencyTable& table, const std::string& comment);
 
 }  // namespace wheeltap::apps

@@ -14,7 +14,7 @@ using signals::MeasuredFile;
 using signals::MeasuredReading;
 using signals::MeasuredTable;
 
-/// Sentences on columns without numbers, one per column.
+/// One sentence for each column that contains no numbers.
 [[nodiscard]] std::vector<std::string> left_out_in_words(const MeasuredTable& table);
 
 /// Sentences on the reading of a table, one per fact: layout, times, units, omitted columns.

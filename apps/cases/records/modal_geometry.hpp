@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 struct Geometry {
   int dimension = 2;
   std::map<std::string, std::array<double, 3>> nodes = {};  ///< coordinates of the nodes [m]
-  std::vector<std::vector<std::string>> lines = {};         ///< lines between nodes, by name
+  std::vector<std::vector<std::string>> lines = {};         ///< lines, each a list of node names
   std::vector<std::string> fixed = {};                      ///< nodes that do not move
 };
 
@@ -24,20 +24,20 @@ struct Geometry {
 /// and supported nodes. Throws Failure (65; 66 for a missing file).
 [[nodiscard]] Geometry parse_geometry(const CaseFile& file);
 
-/// Unit vector along which a sensor measures, from its direction ("x", "-y") or its angles; empty
-/// if the sensor has neither a direction nor angles.
+/// Unit vector of the measured direction of a sensor, from its direction ("x", "-y") or its azimuth
+/// and elevation; empty if the sensor has neither.
 [[nodiscard]] std::optional<std::array<double, 3>> direction_of(const MeasuredSensor& sensor);
 
-/// Converts a geometry to {"dimension", "nodes", "lines", "fixed"}. The next function converts this
-/// JSON to a geometry. Throws nlohmann exceptions.
+/// Converts a geometry to {"dimension", "nodes", "lines", "fixed"}. geometry_of converts this JSON
+/// to a geometry; it throws nlohmann exceptions.
 [[nodiscard]] Report geometry_json(const Geometry& geometry);
 [[nodiscard]] Geometry geometry_of(const Report& json);
 
 /// Input of shapes.js: {"dimension", "drawing": {"points", "lines", "modes": [{"frequency_hz",
 /// "motions", "quadrature"}], "as"}}. The displacement of a node is the displacement of minimum
 /// norm that agrees with the sensors at the node. Each shape is rotated by principal_angle() and
-/// scaled to a largest displacement of 1. Nodes without a sensor that are not fixed, and lines to
-/// these nodes, are drawn only at rest. The result is null if no sensor is at a node of the
+/// scaled to a largest displacement of 1. Free nodes without a sensor, and lines to these nodes,
+/// are drawn only in their undeformed position. The result is null if no sensor is at a node of the
 /// geometry.
 [[nodiscard]] Report modal_drawing(const Geometry& geometry, const ModesFile& modes);
 

@@ -1,4 +1,4 @@
-// The key `poles` of a modal case: poles of the stabilisation diagram that the user chose.
+// The key `poles` of a modal case: poles that the user chose in the stabilisation diagram.
 #pragma once
 
 #include <vector>

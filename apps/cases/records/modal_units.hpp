@@ -29,7 +29,7 @@ struct StatedUnit {
 /// Name of a quantity of motion in cases: "displacement", "velocity" or "acceleration".
 [[nodiscard]] std::string quantity_name(signals::Dimension dimension);
 
-/// Conversion of a column to SI units. Throws Failure for a unit that contradicts the case.
+/// Conversion of a column to SI units. Throws Failure for an unknown or a contradictory unit.
 [[nodiscard]] signals::Conversion convert(const CaseFile& file, const io::Column& column,
                                           const StatedUnit& stated,
                                           std::optional<signals::Dimension> wanted);

@@ -1,4 +1,4 @@
-// modes.json: modes with their covariance. `modal` writes it; damage and update cases read it.
+// modes.json: modes with covariances; written by `wheeltap modal`, read by damage and update cases.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct MeasuredSensor {
   std::optional<double> azimuth = {}, elevation = {};  ///< direction of the sensor [degrees]
   bool reference = false;
   std::string unit = {};  ///< unit of the measured numbers; empty: unknown
-  /// Quantity: "displacement", "velocity", "acceleration"; empty: unknown
+  /// Measured quantity: "displacement", "velocity", "acceleration"; empty: unknown
   std::string quantity = {};
 };
 
@@ -29,17 +29,17 @@ struct ModesFile {
   std::vector<int> numbers = {};  ///< mode numbers, ascending, at least 1; empty: 1, 2, …
   /// Frequencies and damping ratios; a damping ratio is NaN if unknown
   Eigen::VectorXd frequencies_hz = {}, damping = {};
-  /// Covariance of the vector of all frequencies, then all damping ratios; empty if the
+  /// Covariance of the vector that has all frequencies, then all damping ratios; empty if the
   /// identification method does not compute it.
   Eigen::MatrixXd covariance = {};
-  /// Mode shapes, one column per mode, largest entry 1; NaN: not measured
+  /// Mode shapes, one column per mode, scaled to a largest entry of 1; NaN: not measured
   Eigen::MatrixXcd shapes = {};
-  /// Covariance of the vector of real parts, then imaginary parts, of each shape; empty if
+  /// Covariance matrix of each shape, with the real parts first, then the imaginary parts; empty if
   /// `covariance` is empty.
   std::vector<Eigen::MatrixXd> shape_covariance = {};
   std::string quantity = {};  ///< quantity of all shapes; empty: unknown
   std::vector<bool> doubtful = {};
-  int blocks = 0;  ///< number of record blocks that gave the covariances; 0: unknown
+  int blocks = 0;  ///< number of blocks of the record in the covariance estimate; 0: unknown
 };
 
 [[nodiscard]] ModesFile measured_modes(const signals::ModalResult& result,

@@ -46,7 +46,7 @@ io::TextLayout parse_layout(const CaseFile& file, const Pointer& where) {
     out.separator = io::parse_separator(r["separator"].get<std::string>());
     if (!out.separator)
       file.refuse(where / "separator",
-                  "must be \",\", \";\", \"\\t\", \"|\" or \" \" (any run of blanks)");
+                  "must be \",\", \";\", \"\\t\", \"|\" or \" \" (one or more blanks)");
   }
   if (out.decimal == ',' && out.separator == ',')
     file.refuse(where / "separator", "cannot be both the separator and the decimal mark");

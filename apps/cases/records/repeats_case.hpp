@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-/// Parses "repeats" in the block of data at `where` (e.g. /data) and infers the mean of the tests
+/// Parses "repeats" in the block of data at `where` (e.g. /data) and infers the mean frequencies
 /// and the scatter between the tests. Throws Failure (65) for keys that contradict "repeats", for
 /// rows of unequal length, for too few tests and, with `ascending`, for mean frequencies that do
 /// not increase.

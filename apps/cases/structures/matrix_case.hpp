@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// Reads M and the K_j of K = Σ (1 + α_j) K_j from the files that /structure names. The matrices of
-/// one substructure are added. Throws Failure, io::FileError.
+/// Reads the matrices M and K = Σ (1 + α_j) K_j from the files that /structure names. If several
+/// matrices belong to substructure j, K_j is their sum. Throws Failure, io::FileError.
 [[nodiscard]] identification::StructureModel parse_matrices(const CaseFile& file);
 
 }  // namespace wheeltap::apps

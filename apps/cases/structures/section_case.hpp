@@ -28,15 +28,15 @@ void check_sizes(const CaseFile& file, const Pointer& where);
 [[nodiscard]] fem::Section parse_sized_section(const CaseFile& file, const Pointer& where,
                                                double poisson);
 
-/// Parses the outline of a "polygon", or computes the outline of a shape with dimensions. y is
-/// along the width, and the origin is in the middle. Circles become polygons of equal area. Throws
-/// Failure.
+/// Parses the outline of a "polygon", or computes the outline of a shape with dimensions. For
+/// shapes, y is along the width, and the origin is at the centre; circles become polygons of equal
+/// area. Throws Failure.
 [[nodiscard]] fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
                                          const SectionMaterial& material);
 
 struct MeshedSection {
   fem::Outline outline;
-  fem::TriangleMesh mesh;  ///< coarsest mesh of the section
+  fem::TriangleMesh mesh;  ///< coarsest mesh of the analysis
   fem::SectionAnalysis analysis;
 };
 /// Meshes and analyses a section. Throws Failure for an invalid outline, and in a build without

@@ -18,9 +18,9 @@ inline constexpr long long kMostDegreesOfFreedom = 300'000;
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
 /// Parses the structure and its parameters in a case that satisfies the schema "structure". Appends
-/// sentences on section properties that members neglect to `remarks`. Throws Failure (65) for
-/// invalid values, with their location in the case. Throws Failure (65) for too many degrees of
-/// freedom, with the required memory. Also throws the exceptions of io::read_sparse_matrix.
+/// to `remarks` one sentence for each section property that members neglect. Throws Failure (65)
+/// for invalid values, with their location in the case. Throws Failure (65) for too many degrees of
+/// freedom, with the required memory. Also throws the same exceptions as io::read_sparse_matrix.
 [[nodiscard]] identification::StructureModel parse_structure(
     const CaseFile& file, std::vector<std::string>* remarks = nullptr);
 

@@ -1,4 +1,4 @@
-// Cross-section of a structure's member: stiffnesses in the plane or in space.
+// Cross-section of a member of a plane or spatial structure: stiffnesses and area.
 #pragma once
 
 #include <functional>
@@ -23,14 +23,14 @@ struct PieceSection {
   /// inconsistent dimensions.
   std::function<fem::MemberSection(std::span<const double>)> at;
   bool depends = false;                   ///< true if the section depends on a parameter
-  double density_factor = 1.0;            ///< mass per length / (ρ A), for several materials
+  double density_factor = 1.0;            ///< mass per length, divided by ρ A; 1 for one material
   std::vector<std::string> remarks = {};  ///< sentences on neglected properties
 };
 
 /// Parses the section at `where`: a shape with dimensions, an outline, or stiffnesses. For shapes,
 /// bending stiffnesses are exact and shear stiffnesses use Cowper's coefficients. Torsional
-/// stiffnesses are exact for rectangles, circles and tubes. For other properties, which are
-/// computed on one mesh, the dimensions must be numbers. Throws Failure.
+/// stiffnesses are exact for rectangles, circles and tubes. Other properties are computed once, on
+/// a mesh; the dimensions must then be numbers, not parameters. Throws Failure.
 [[nodiscard]] PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                                const MaterialCoefficients& material, int dimension,
                                                StructureParameters& parameters);

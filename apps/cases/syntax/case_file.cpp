@@ -289,7 +289,7 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
   for (const auto& [key, ignored] : prior.items()) {
     if (key == "on") continue;
     if (!family.empty()) {
-      file.refuse(where, "a prior has one family, but this has both \"" + family + "\" and \"" +
+      file.refuse(where, "a prior has one family, but this one has both \"" + family + "\" and \"" +
                              key + "\"");
     }
     family = key;

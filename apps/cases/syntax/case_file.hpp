@@ -1,4 +1,4 @@
-// Case files: JSON text with overrides of --set, validated against a JSON Schema before a run.
+// Case files: JSON text, changed by --set and validated against a JSON Schema before a run.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ using Pointer = Json::json_pointer;
 struct CaseFile {
   std::filesystem::path path;
   Json json;
-  /// Location of /record in the file. The location is different for cases with several records.
+  /// Location of the record in the file; error messages show it in place of /record.
   std::string record_place = "/record";
   /// Input files resolved so far, with their fingerprints. Copies of the case share this list.
   std::shared_ptr<InputFiles> inputs = std::make_shared<InputFiles>();
@@ -38,21 +38,21 @@ struct CaseFile {
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
-/// Reads a file and applies `overrides`, each "path.to.key=VALUE". Array elements have 0-based
-/// numbers. VALUE is JSON or, if it is not valid JSON, a string. Throws Failure: 66 for an
+/// Reads a file and applies `overrides`, each "path.to.key=VALUE". Array elements are numbered
+/// from 0. VALUE is JSON or, if it is not valid JSON, a string. Throws Failure: 66 for an
 /// unreadable file; 65, with line and column, for text that is not JSON; 65 for keys and strings
 /// that are not UTF-8 or contain control characters; 64 for an override of a key that does not
 /// exist.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 
-/// Identity of a case in its results: its text and the content of its input files.
+/// Text that identifies a case in its results: its JSON and the fingerprints of its input files.
 [[nodiscard]] std::string identity_of(const CaseFile& file);
 
 /// Names of all schemas.
 [[nodiscard]] std::vector<std::string> schema_names();
-/// Kinds of complete cases with a schema. The command with the name of the kind runs the cases of
-/// this kind.
+/// Kinds of complete cases with a schema. A command with the same name as the kind runs the cases
+/// of this kind.
 [[nodiscard]] std::vector<std::string> kinds_with_schema();
 /// The JSON Schema (draft 7) of this name, with shared definitions. Throws Failure (64) for an
 /// unknown name.

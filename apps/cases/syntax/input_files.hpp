@@ -14,11 +14,11 @@ namespace wheeltap::apps {
 
 class InputFiles {
  public:
-  /// Adds the fingerprint of a regular file under its name in the case, once. Missing files and
+  /// Adds the fingerprint of the regular file that the case calls `name`, once. Missing files and
   /// files of other types are ignored; the function that reads the file later reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
-  /// An empty list that shares the fingerprints of files already read.
+  /// An empty list that shares the cache of computed fingerprints with this list.
   [[nodiscard]] InputFiles emptied() const;
 
   /// The fingerprints as JSON, by name: {"record.csv": {"bytes": 1234, "checksum":

@@ -9,9 +9,9 @@ namespace wheeltap::apps {
 
 /// A location in a case and its allowed values.
 struct KeyPlace {
-  /// Keys of the path, without names that the author of the case chooses
+  /// Keys of the path, except names that the author of the case chooses
   std::vector<std::string> path;
-  std::string shown;  ///< path as a pointer: "/models/N/masses", "/parameters/NAME"
+  std::string shown;  ///< path as a JSON pointer: "/models/N/masses", "/parameters/NAME"
   std::string meaning, form;
   std::set<std::string> keys = {};
   std::vector<std::string> kinds = {};  ///< kinds of case with this key

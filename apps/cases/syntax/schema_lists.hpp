@@ -15,16 +15,16 @@
 
 namespace wheeltap::apps {
 
-/// Names of further schemas: a kind of case uses their definitions in addition to those of its own
-/// schema.
+/// Names of the further schemas whose definitions a kind of case uses, in addition to those of its
+/// own schema.
 inline std::vector<std::string> definitions_of(std::string_view kind) {
   if (kind == "update") return {"common", "structure"};
   return {"common"};
 }
 
-/// The schema of a force law in a case, generated from the description of the force law. A force
-/// law is an object, a list of objects or, if one coefficient is sufficient, the value of this
-/// coefficient.
+/// The schema of a force law in a case, generated from the description of the force law. In a
+/// case, a force law is an object, a list of objects or, if one coefficient is sufficient, its
+/// value.
 template <class AnyJson>
 AnyJson law_rule(const dynamics::LawInfo& law) {
   AnyJson object = {{"description", law_in_words(law)}, {"type", AnyJson::array()}};
@@ -56,7 +56,7 @@ AnyJson law_rule(const dynamics::LawInfo& law) {
   return rule;
 }
 
-/// Adds a key for every force law to the links of a schema that has links.
+/// Adds a key for every force law to the links of a schema that defines links.
 template <class AnyJson>
 void add_laws(AnyJson& rules) {
   if (!rules.at("definitions").contains("link")) return;
@@ -66,7 +66,7 @@ void add_laws(AnyJson& rules) {
   link["x-hint"] = "`wheeltap laws` explains the force laws";
 }
 
-/// Adds a key for every residual model to a schema that has residuals.
+/// Adds a key for every residual model to a schema that defines residuals.
 template <class AnyJson>
 void add_residual_models(AnyJson& rules) {
   if (!rules.at("definitions").contains("residuals")) return;
@@ -85,7 +85,7 @@ void add_residual_models(AnyJson& rules) {
   if (kinds.size() == 1) object["required"].push_back(std::string(kinds.front()->key));
 }
 
-/// Adds the types of defect, and a key for the severity of each type, to a schema that has defects.
+/// Adds the types of defect, and a severity key for each type, to a schema that defines defects.
 template <class AnyJson>
 void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
@@ -105,9 +105,9 @@ void add_defects(AnyJson& rules) {
   keys["kind"]["enum"] = std::move(names);
 }
 
-/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds the type of
-/// runs of each interpolant to the description. `AnyJson` is Json, or the type that keeps the order
-/// of keys.
+/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds to the
+/// description which interpolants need grids and which scattered runs. `AnyJson` is Json, or
+/// ordered_json, which keeps the order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;

@@ -15,10 +15,9 @@ namespace wheeltap::apps {
     const MonitorCaseFile& parsed,
     const std::vector<identification::monitoring::ChartFinding>& charts);
 
-/// A list with name, threshold, alarms and first_alarm of each chart. If `monitor` (of the summary)
-/// has an alarm, the list also has alarms_before_onset and delay. The delay is the time from the
-/// median onset of this first alarm to the next alarm of the chart, in time units (hours for
-/// dates).
+/// A list with name, threshold, alarms and first_alarm of each chart. If `monitor` has an alarm,
+/// the list also has alarms_before_onset and delay: the time from the median onset of the first
+/// alarm of `monitor` to the next alarm of the chart, in time units of the case (hours for dates).
 [[nodiscard]] Report charts_json(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor,
     const std::vector<identification::monitoring::ChartFinding>& charts);

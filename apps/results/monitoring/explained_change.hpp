@@ -10,8 +10,8 @@
 
 namespace wheeltap::apps {
 
-/// One explanation per alarm; empty if the case has no structure. The reanalysis of all places and
-/// severities takes about a second.
+/// One explanation per alarm; empty if the case has no structure. The reanalysis for all locations
+/// and severities takes about a second.
 [[nodiscard]] std::vector<identification::monitoring::ChangeExplanation> explanations(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor, int threads);
 

@@ -28,8 +28,8 @@ void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Repor
 
 /// Sentence on the last alarm: its time, onset and probability.
 [[nodiscard]] std::string monitor_headline(const Report& monitor);
-/// Sentence with the stated rate of false alarms and the rate in replayed healthy rows. For a
-/// series without times, it states the number of rows between two false alarms.
+/// Sentence with the false-alarm rate that the model states and the rate in replayed healthy rows.
+/// For a series without times, it states the number of rows between two false alarms.
 [[nodiscard]] std::string false_alarms_in_words(const Report& monitor);
 
 /// "f2 [Hz] by -1.9 % ± 0.2 %": shifts of the features, the most significant shift first.

@@ -22,8 +22,8 @@ struct TrackedModesOf {
 ///   (record, mode): frequency, frequency_sd, damping of the assigned mode (NaN: missing);
 ///     probability of the assignment, or of "missing"; number of the mode in its file (0: missing);
 ///     mac with the reference shape of the tracked mode
-///   (record): modes, the number of identified modes; spurious, the expected number
-///   (mode): reference_frequency, scatter, detection
+///   (record): modes, number of identified modes; spurious, expected number of spurious modes
+///   (mode): reference_frequency; scatter, sd of ln f; detection, probability of identification
 ///   attribute files: one name per line
 [[nodiscard]] std::string tracked_netcdf(const TrackedModesOf& tracked,
                                          const std::filesystem::path& path);

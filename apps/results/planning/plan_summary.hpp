@@ -12,17 +12,17 @@
 
 namespace wheeltap::apps {
 
-/// Content of summary.json: information about the run, and /plan. `check` has no tests if no check
-/// was made.
+/// Content of summary.json: information about the run, and /plan. `check.tests` is empty if no
+/// check was made.
 [[nodiscard]] Report plan_summary(const PlanCaseFile& parsed,
                                   const identification::planning::PlanFindings& findings,
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
 /// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
-/// the test detects with probability 0.9, at the place where this smallest damage is largest. If no
-/// place has such a damage, the truth is the largest damage of the prior. Measured modes replace
-/// the truth after the test.
+/// the test detects with probability 0.9, at the location where this smallest damage is largest. If
+/// the test detects no damage with this probability, the truth is the largest damage at the
+/// location with the most detections. Measured modes replace the truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
 
@@ -33,8 +33,8 @@ void print_plan(std::ostream& out, const Report& summary, bool colour);
 
 /// Sentence on the damage that the recommended design detects.
 [[nodiscard]] std::string plan_headline(const Report& plan);
-/// Sentences on the sensors, on a test of frequencies only, on indistinguishable places and changes
-/// of the design that distinguish them, and on further sensors.
+/// Sentences on the sensors, on a test of frequencies only, on indistinguishable locations and
+/// design changes that distinguish them, and on further sensors.
 [[nodiscard]] std::vector<std::string> plan_details(const Report& plan);
 /// Sentence on the check by the full engine; empty without a check.
 [[nodiscard]] std::string check_sentence(const Report& plan);

@@ -100,8 +100,8 @@ std::string smallest_in_words(const Report& plan) {
   }
   if (all == 0) return {};
   if (found == 0)
-    return "At no location does the test detect the largest " + key +
-           " of the prior with probability 0.9.";
+    return "At no location does the test detect with probability 0.9 even the largest " + key +
+           " that the prior allows.";
   std::string out = "The smallest " + key + " detected with probability 0.9 is " +
                     significant(least->at(key).get<double>(), 2) + " at " +
                     least->at("place").get<std::string>();
@@ -111,8 +111,8 @@ std::string smallest_in_words(const Report& plan) {
   out += ".";
   if (found < all)
     out += " At " + std::to_string(all - found) + " of " + std::to_string(all) +
-           " locations, the test does not detect the largest " + key +
-           " of the prior with probability 0.9.";
+           " locations, the test does not detect with probability 0.9 even the largest " + key +
+           " that the prior allows.";
   return out;
 }
 

@@ -15,12 +15,12 @@ inline constexpr const char* kBatchTable = "batch.csv";
 struct BatchRow {
   std::string name;     ///< name of the case and its folder
   std::string kind{};   ///< kind of the case; empty if the case does not state its kind
-  int exit = 0;         ///< exit code of the run, or 128 + the signal that ended the run
+  int exit = 0;         ///< exit code of the run, or 128 + the number of the signal that ended it
   std::string model{};  ///< the most probable model, "7 modes" for a modal case, otherwise empty
   std::optional<double> probability{};  ///< probability of this model
   std::optional<bool> converged{};
-  double seconds = 0.0;  ///< wall time of the run, summed over its sessions
-  std::string error{};   ///< error message of one line, if exit is not 0
+  double seconds = 0.0;  ///< wall time [s] of the run, summed over its sessions
+  std::string error{};   ///< one-line error message if `exit` is not 0
   std::string path{};    ///< path of the case, relative to the batch folder
 };
 

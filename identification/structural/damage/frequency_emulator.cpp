@@ -303,15 +303,14 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
           beam_.element_midpoint(last) > box[i].high() + 1e-6 * h) {
         return Outside{InvalidInput::Part::location,
                        "location prior " + kind.location.describe() +
-                           " reaches outside the emulator's box, " + number_in_words(box[i].low()) +
+                           " exceeds the training domain, " + number_in_words(box[i].low()) +
                            " to " + number_in_words(box[i].high()) + " m" + who};
       }
       if (reduction.lower() < box[i + 1].low() || reduction.upper() > box[i + 1].high()) {
-        return Outside{InvalidInput::Part::severity, "reduction prior " + reduction.describe() +
-                                                         " reaches outside the emulator's box, " +
-                                                         number_in_words(box[i + 1].low()) +
-                                                         " to " +
-                                                         number_in_words(box[i + 1].high()) + who};
+        return Outside{InvalidInput::Part::severity,
+                       "reduction prior " + reduction.describe() +
+                           " exceeds the training domain, " + number_in_words(box[i + 1].low()) +
+                           " to " + number_in_words(box[i + 1].high()) + who};
       }
     }
     if (!part(count).type->within_hull) continue;
@@ -331,7 +330,7 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
                    " m, reduction " + number_in_words(d.reduction);
         }
         return Outside{InvalidInput::Part::location,
-                       "the priors reach outside the convex hull of the emulator's runs, at " +
+                       "the priors reach outside the convex hull of the training runs, at " +
                            where + (count == 1 ? "" : " (two damages)")};
       }
     }

@@ -95,7 +95,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
     if (modes > available)
       throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
                                   " modes: must be at most " + std::to_string(available) +
-                                  ", the elastic modes that the structure has");
+                                  ", the number of elastic modes of the structure");
     for (int i = 0; pieces && i < kTriedForPieces; ++i) {
       Workspace::Intact other;
       try {

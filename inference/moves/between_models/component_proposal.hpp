@@ -17,8 +17,8 @@ class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
 
-  /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without
-  /// component `skip` of `kind`. `beta` tempers the influence of the residual.
+  /// Prepares the proposal for a component added to the state `context`; if `skip` >= 0, to
+  /// `context` without component `skip` of `kind`. `beta` tempers the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws the coordinates z of a component from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
@@ -47,9 +47,9 @@ struct EffectAtlas {
   Eigen::VectorXf half_square;  ///< ½ |D_c|² of each cell
   double noise_scale = 1.0;     ///< noise scale for which the effects were computed
 
-  /// Cost of computing the weights of all cells once, in equivalent likelihood evaluations. Each
-  /// residual of each cell counts as one multiplication, and each exponential as ten
-  /// multiplications.
+  /// Cost of computing the weights of all cells once, expressed as a number of likelihood
+  /// evaluations. Each residual of each cell counts as one multiplication, and each exponential as
+  /// ten multiplications.
   [[nodiscard]] double work() const {
     return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
            kOperationsACall;

@@ -1,4 +1,4 @@
-// Component proposals from the fitted mixtures of the pilots.
+// Component proposals from mixtures fitted to pilot samples.
 #pragma once
 
 #include <memory>
