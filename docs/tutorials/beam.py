@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Damage in a beam, with Python
 #
-# How many elements of a simply supported beam have lost stiffness, which ones, and how much? The data are twenty natural
-# frequencies. This case is simulated, so that you can compare the result with the truth: 30 % stiffness reduction at 0.09 m.
+# How many elements of a simply supported beam have lost stiffness? Which elements, and how much stiffness? The data are
+# twenty natural frequencies. The data are simulated, so that you can compare the result with the true damage: a
+# stiffness reduction of 30 % at 0.09 m.
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
@@ -20,8 +21,8 @@ case = {
 result = wt.damage(case, seed=1)
 print(result.answer)
 # %% [markdown]
-# `result.answer` contains the sentences at the top of a report. The probabilities below come from draws, so they have a Monte
-# Carlo error. If `converged` is false, do not use the results of the run.
+# `result.answer` contains the sentences at the top of a report. The probabilities below come from draws, so they have a
+# Monte Carlo error. If `result.converged` is false, do not use the results of the run.
 # %%
 for model in result.models:
     print(f"{model['name']:>10}: {model['probability']:.3f} ± {model['mcse']:.3f}   (prior {model['prior']:.2f})")
@@ -31,9 +32,9 @@ figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 5), layout="constrained")
 wt.plot.models(result, ax=top)
 wt.plot.inclusion(result, ax=bottom)
 # %% [markdown]
-# The figure has two peaks, although there is one damage. The beam is symmetric: a damage at x and a damage at L - x (L is the
-# length of the beam) give the same frequencies, so no analysis of these data can distinguish the two locations. The
-# following code folds the locations about midspan, so that mirror images coincide:
+# The figure has two peaks, although there is one damage. The beam is symmetric: a damage at x and a damage at L - x (L
+# is the length of the beam) give the same frequencies, so no analysis of these data can distinguish the two locations.
+# The following code folds the locations about midspan, so that mirror images coincide:
 # %%
 x = result.draws_of("location[1]", "1 damage")
 folded = np.minimum(x, 1.0 - x)
@@ -45,9 +46,9 @@ assert abs(folded.mean() - 0.095) < 0.02
 # %%
 wt.plot.pairs(result, "1 damage");
 # %% [markdown]
-# **How can a test distinguish the two locations?** Measure a quantity that is not symmetric: mode shapes, frequencies with an
-# added mass away from midspan ([several states](../states.md)), or frequencies with other supports. Simulate the planned test
-# before you carry it out. This example simulates the same beam with one clamped end:
+# **How can a test distinguish the two locations?** Measure data that differ between the two locations: mode shapes,
+# frequencies with an added mass away from midspan ([several states](../states.md)), or frequencies with other supports.
+# Simulate the planned test before you carry it out. This example simulates the same beam with one clamped end:
 # %%
 clamped = {**case, "beam": {**case["beam"], "supports": "clamped-pinned"}}
 told = wt.damage(clamped, seed=1, warmup=2000, draws=2000)

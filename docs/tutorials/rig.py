@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Equation of motion of a mass on a spring
 #
-# A known force excites a mass on a spring, and a sensor measures the displacement. Is the spring linear, or does it harden?
-# Define both models as chains of masses and links, with priors for the unknown parameters. The run returns the probability of
-# each model. This example simulates the record of a mass of 0.5 kg on a spring with the stiffness k = 50 N/m and the cubic
-# hardening k₃ = 1000 N/m³. The force is white noise, the sampling rate is 100 Hz, and the standard deviation of the
-# measurement noise is 0.05 m.
+# A known force excites a mass on a spring, and a sensor measures the displacement. Is the spring linear, or does it
+# harden? Define both models as chains of masses and links, with priors for the unknown parameters. The run returns the
+# probability of each model. This example simulates the record of a mass of 0.5 kg on a spring with the stiffness k = 50
+# N/m and the cubic hardening k₃ = 1000 N/m³. The force is white noise, the sampling rate is 100 Hz, and the standard
+# deviation of the measurement noise is 0.05 m.
 # %%
 import matplotlib.pyplot as plt
 
@@ -30,9 +30,9 @@ figure, axis = plt.subplots(figsize=(7, 2.5), layout="constrained")
 axis.plot(record["displacement"], linewidth=1)
 axis.set(xlabel="sample", ylabel="displacement [m]");
 # %% [markdown]
-# How long must the record be? In a short record, both models predict nearly the same motion, and the data cannot distinguish
-# them. The simpler model then has the higher probability, because it has fewer free parameters. A longer record shows the
-# hardening.
+# How long must the record be? In a short record, both models predict nearly the same motion, and the data cannot
+# distinguish them. The simpler model then has the higher probability, because it has fewer free parameters. A longer
+# record shows the hardening.
 # %%
 for samples in (50, 100, 300, 500):
     result = wt.sid(case, changes={"truth.samples": samples}, seed=1, warmup=1000, draws=1000)
@@ -42,11 +42,11 @@ for samples in (50, 100, 300, 500):
           f"  k: {k['q2.5']:.1f} to {k['q97.5']:.1f} N/m" if k else "")
 assert result.probabilities["duffing"] > 0.99
 # %% [markdown]
-# On average, one in twenty 95 % intervals does not contain the true value (here k = 50). The interval from 300 samples of this
-# record is such a case.
+# On average, one in twenty 95 % intervals does not contain the true value (here k = 50). The interval of k from 300
+# samples of this record is such a case.
 #
-# The most probable model is only the best model of the list. Check whether this model explains the record before you use its
-# results. The band in the figure contains 95 % of the posterior predictions, including noise.
+# The most probable model is only the best model of the list. Check whether this model explains the record before you
+# use its results. The band in the figure is the 95 % prediction interval, including noise.
 # %%
 wt.plot.record(result)
 print("fit:", result.summary["fit"]["ok"])
@@ -55,5 +55,5 @@ for name in ("k", "k3"):
     print(f"{name:>3}: {told['q50']:.4g}   95 %: {told['q2.5']:.4g} to {told['q97.5']:.4g}")
 # %% [markdown]
 # [Force laws](../laws.md) describes all force laws of a link, from friction to gaps. [Selection of force-law
-# terms](../system-identification.md#selection-of-force-law-terms) describes how to find the terms of a force law without
-# writing one model for each combination of terms.
+# terms](../system-identification.md#selection-of-force-law-terms) describes how to find the terms of a force law
+# without writing one model for each combination of terms.
