@@ -11,7 +11,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// The columns of springs, floating masses and softenings, like `DefectColumns` for beams.
+/// The columns of springs, floating masses and softenings, as `DefectColumns` for beams.
 /// `ResidualModes` replace the modes that are not kept.
 class ChangeColumns {
  public:

@@ -35,8 +35,8 @@ namespace wheeltap::fem {
 /// The first term is present only if both forms belong to the same part; primes mark the second
 /// form. Only Q_n requires solutions of the whole structure. The large contributions to Q_n are
 /// subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of kBatch
-/// degrees of freedom. The constructor computes the batches of a small boundary; otherwise a batch
-/// is computed at its first request.
+/// degrees of freedom. If the boundary is small, the constructor computes all batches; otherwise, a
+/// batch is computed when it is first requested.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
 /// cache holds `memory` bytes and removes the least recently used values.

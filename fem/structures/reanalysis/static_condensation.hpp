@@ -24,8 +24,8 @@ namespace wheeltap::fem {
 /// Parts are the interiors of members: degrees of freedom that are coupled with at most two ends. A
 /// part is halved along the member until it has at most `kLargest` degrees of freedom and all its
 /// eigenvalues with fixed edge lie above `stiffer_than`. The motions l_n grow with the inverse of
-/// these eigenvalues, and large motions l_n would cause cancellation. The remaining degrees of
-/// freedom form the boundary, including the degrees of freedom that hold a free structure.
+/// these eigenvalues, and large motions l_n would cause cancellation. All other degrees of freedom
+/// form the boundary, including those that hold a free structure.
 class StaticCondensation {
  public:
   static constexpr int kLargest = 36;
