@@ -253,7 +253,7 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   const Pack* y2 = y1 + m;
   const Vec zero{};
   Vec b11 = zero, b12 = zero, b22 = zero;
-  Vec m11 = zero, m12 = zero, m22 = zero;  // contribution of the modes with negative sign to B
+  Vec m11 = zero, m12 = zero, m22 = zero;  // contribution to B of modes with negative sign
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {

@@ -37,8 +37,8 @@ struct EdgeNumbers {
 /// entry ½ for each new point. An edge between two points with shares below ½ is halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
-/// Adds `rings` rings of smaller triangles around each point with a share below ½. Each ring has a
-/// third of the size of the next outer ring. Existing points keep their numbers; `shares` gets the
+/// Adds `rings` rings of smaller triangles around each point with a share below ½. Each ring is a
+/// third as large as the ring around it. Existing points keep their numbers; `shares` gets the
 /// entry ½ for each new point.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 

@@ -4,9 +4,9 @@
 //
 // (K + ε D) v ← D v, D = diag K (1 for zero entries), ε = 1e-11,
 //
-// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step then separates zero
-// stiffness from small stiffness. This step uses the strain energies, which are sums of squares
-// without cancellation.
+// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step then separates motions of
+// zero stiffness from those of small stiffness. This step uses the strain energies, which are sums
+// of squares without cancellation.
 #pragma once
 
 #include <string>

@@ -23,7 +23,7 @@ struct EmulatorSpec {
       /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
       /// also applies to all further damages.
       sites;
-  /// Levels of the reduction, ascending. For scattered runs: its lower and upper limit, or empty
+  /// Levels of the reduction, ascending; for scattered runs, two limits (empty: those of the prior)
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate over 1/(1-r) instead of the reduction r
   std::optional<double> accuracy;  ///< relative error of a frequency at which grid refinement ends

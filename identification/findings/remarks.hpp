@@ -116,7 +116,7 @@ struct NoiseHidesDamage {
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is symmetric. The lists name the groups of equivalent parts, and the structural
+/// The structure is symmetric. `alike` names the groups of equivalent parts; `turned` names the
 /// members whose two ends a symmetry exchanges.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
@@ -181,7 +181,7 @@ struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// The result would differ if the FE model replaced the emulator; see EmulatorCheck.
+/// With the FE model instead of the emulator, the result would differ; see EmulatorCheck.
 struct EmulatorMoved {};
 
 // ---- equations of motion ------------------------------------------------------------------
@@ -324,8 +324,8 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// A one-sided force law (for example of a stop) produces no force in any record. In the fraction
-/// `share` of the model's draws, its gap never closes.
+/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
+/// the fraction `share` of the model's draws, its gap never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link

@@ -11,7 +11,7 @@
 // processes the entries of a row in sequence, which is exact for Gaussian noise. For Student t
 // noise, the predictive density of an entry is Student t, normalised, with the filter's variance S
 // as squared scale. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
-// the inverse of the expected precision of the scale mixture given the innovation v.
+// the inverse of the precision that the scale mixture has on average, given the innovation v.
 #pragma once
 
 #include <algorithm>

@@ -19,7 +19,7 @@ struct TrainingRows {
   std::vector<CovariateScaling::Scaled> scaled = {};
   Eigen::MatrixXd z = {};  ///< covariates x rows: the values in `scaled`
   std::vector<FeatureRows> features = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< range of the covariates with the long lag
   Eigen::MatrixXd sorted = {};        ///< rows x covariates; sorted columns, for quantiles
   std::vector<int> hinged = {};       ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< one entry per feature

@@ -45,7 +45,7 @@ inline constexpr double kTransientHours = 72.0;
 enum class ShiftProfile { step, ramp, transient };
 
 struct ChangePointOptions {
-  double hazard_per_hour = 1e-5;               ///< prior rate of changes
+  double hazard_per_hour = 1e-5;               ///< prior rate of changes per hour
   double transients_per_hour = 12.0 / 8766.0;  ///< prior rate of transients; 0: none
   /// Rate at which transients end suddenly instead of decaying.
   double transient_ends_per_hour = 1.0 / kTransientHours;
@@ -74,8 +74,8 @@ struct CandidateOnset {
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
   double log_wealth = 0.0;  ///< ln of the onset's term in the Shiryaev-Roberts sum
-  /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
-  /// its probability within the model without a change.
+  /// ln of the onset's prior probability, including merged candidates. For a transient, log_mass()
+  /// is ln of the transient's probability within the model without a change.
   double log_prior = 0.0;
   int slot = -1;  ///< slot in the bank of shifts
   /// Posterior of δ for each parameter draw; only in the result of ChangePoint::candidates().

@@ -89,7 +89,7 @@ class ModeTracker {
 
   TrackingOptions options_;
   std::vector<TrackedMode> modes_;
-  double spurious_ = 1.0;                ///< λ, modes per unit of ln f
+  double spurious_ = 1.0;                ///< λ: spurious modes per unit of ln f
   Eigen::MatrixXd learned_covariates_;   ///< n x c
   Eigen::MatrixXd learned_frequencies_;  ///< n x K: ln f, NaN: missing
 };

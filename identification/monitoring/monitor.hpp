@@ -18,7 +18,7 @@ struct MonitorOptions {
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// False: the threshold is that of the model; replay only reports the rate of false alarms.
+  /// False: the threshold is computed from the model; replay only reports its false-alarm rate.
   bool is_calibrated = true;
   /// Number of rows after an alarm that refine the estimate of the change. Then the monitor accepts
   /// the change and resets the detector.

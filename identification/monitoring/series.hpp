@@ -55,7 +55,7 @@ struct SeriesFault {
 inline constexpr int kFewestLearningRows = 20;
 
 /// The faults of a series whose first `learning` rows are known to be healthy. A caller may treat a
-/// constant covariate as a warning, because the baseline does not use it.
+/// constant covariate as a warning only, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
 /// Row i. Its noise variances are divided by the squares of `usual_sds`: medians in the training

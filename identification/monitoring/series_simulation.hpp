@@ -53,7 +53,7 @@ struct SeriesTruth {
   double drift_hours = 72.0;
   double drift_correlation = 0.5;  ///< correlation of the drifts of any two features, in [0, 1)
   double unmeasured_hours = 48.0;
-  double noise_degrees = 0.0;  ///< degrees of freedom of Student's t; 0: normal noise
+  double noise_degrees = 0.0;  ///< degrees of freedom of Student t noise; 0: normal noise
   double outlier_share = 0.0, outlier_factor = 10.0, missing_share = 0.0;
   std::vector<ChangeTruth> changes = {};
 };

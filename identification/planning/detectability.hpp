@@ -68,7 +68,7 @@ struct Confusion {
 /// `kDistance` standard errors of the data of some defect at the other place. With equal priors, a
 /// test then assigns at least Φ(-1) = 16 % of these defects to the other place. Confused places
 /// determine the resolution of a member if they are within `tolerance` of each other, or connected
-/// by confused places of this member. Other confused places form regions.
+/// by confused places of this member. All other confused places form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
@@ -77,7 +77,7 @@ inline constexpr double kDistance = 2.0;
 struct Separation {
   std::vector<int> sensors;   ///< additional sensors
   int mass = -1;              ///< index of the added mass; -1: additional sensors
-  int separated = 0, of = 0;  ///< numbers of distinguished and of all confused pairs
+  int separated = 0, of = 0;  ///< number of distinguished pairs, and of confused pairs
 };
 /// The cheapest additional sensors, and the best single added mass. Among the changes that
 /// distinguish the most pairs (within 5 %), the cheapest is chosen, and at equal cost the one with

@@ -77,7 +77,7 @@ inline constexpr float kSmallChange = 0.3F;
 /// kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
-/// Pairs of places with effects on the curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
+/// Pairs of places whose effects lie on curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
 /// `stride` entries in this order; the number of used entries is a multiple of kPairLanes.
 struct CurvedPairs {
   enum Array {

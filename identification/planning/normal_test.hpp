@@ -42,9 +42,9 @@ struct NormalModel {
 ///
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
-/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along its
-/// typical node, 1 at that node; I_ab is the interaction. p ~ U(0, 1) is the prior cumulative
-/// probability of severity s; Δ_a is linear between nodes. Then
+/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along the
+/// typical node of place a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1) is the
+/// prior cumulative probability of severity s; Δ_a is linear between nodes. Then
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///

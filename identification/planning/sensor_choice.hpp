@@ -17,7 +17,7 @@ struct ChoiceOptions {
   int first_scenarios = 128;  ///< number of scenarios at the start of a comparison
   int most_scenarios = 4096;  ///< number of scenarios at the end of a comparison
   int keep = 10;              ///< number of designs in the result
-  int exhaustive = 1000;      ///< largest number of designs for an exhaustive comparison
+  int exhaustive = 1000;      ///< up to this number of designs, all are compared
   std::function<void(double fraction)> progress = {};
 };
 

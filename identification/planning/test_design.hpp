@@ -28,7 +28,7 @@ struct TestDesign {
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
-  double cov = 0.0;  ///< if > 0, replaces the formula
+  double cov = 0.0;  ///< if > 0, it replaces the formula
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
@@ -60,8 +60,8 @@ struct TestNumbers {
 /// the component of the close mode's shape normal to û₀, divided by |φ₀|.
 ///
 /// Unknown coefficients add J z to the data, z ~ N(0, I), with the columns of J from differences
-/// between z = 1 and z = -1. With their prior, the data have the covariance I + J Jᵀ. The last step
-/// multiplies the data by (I + J Jᵀ)^(-1/2).
+/// between z = 1 and z = -1. With this prior of z, the data have the covariance I + J Jᵀ. The last
+/// step multiplies the data by (I + J Jᵀ)^(-1/2).
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);

@@ -37,7 +37,7 @@ struct TestOutcome {
   /// most -ln(1 - ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable count and all places are right
-  /// P(true number, and every location within the tolerance of its true location | y).
+  /// P(true number of defects, and every location true within the tolerance | y).
   double located = 0.0;
 };
 

@@ -59,7 +59,7 @@ struct ValueFindings {
   bool inspects_without = false;
   std::vector<TestValue> values;  ///< one per option
   int best = -1;                  ///< index of the option; -1: no test reduces the expected cost
-  std::vector<CostSensitivity> sensitivity;  ///< best options with each cost halved and doubled
+  std::vector<CostSensitivity> sensitivity;  ///< best option with each cost halved, and doubled
 };
 [[nodiscard]] ValueFindings find_values(const std::vector<TestOption>& options,
                                         const TestCosts& costs, double damaged);

@@ -202,8 +202,8 @@ struct SidCase {
   double band = 0.97;
   bool balance = false;  ///< true: sample all models about equally often, reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the time steps. If the time steps are too long, the run reports this
-  /// and is not repeated.
+  /// True if the case fixes the time steps. If they are too long, the run reports the error and is
+  /// not repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;

@@ -30,10 +30,10 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
-/// Replaces the only model by one model per subset of the terms. The previous model becomes the
-/// model of the empty subset. Subsets with fewer terms come first. Names list the base and the
-/// terms: "linear + cubic + coulomb". Throws InvalidInput (models) unless there is one model and at
-/// most kMostTerms terms.
+/// Replaces the single model of the case by one model per subset of the terms; this single model
+/// becomes the model of the empty subset. Subsets with fewer terms come first. Names list the base
+/// and the terms: "linear + cubic + coulomb". Throws InvalidInput (models) unless there is one
+/// model and at most kMostTerms terms.
 void add_subsets(SidCase& sid_case);
 
 /// Estimates the motion of the base model's links from the record. The spectra of the responses

@@ -48,7 +48,7 @@ struct ChannelFit {
                                                   std::span<const double> theta);
 
 /// Returns a problem that integrates through the window without scoring it, and scores the samples
-/// after the window (SidCase::beyond). Null if there are no samples after the window.
+/// after the window (SidCase::beyond). Returns null if the record has no samples after the window.
 [[nodiscard]] std::unique_ptr<const SidProblem> continuation(const SidProblem& problem);
 
 /// Returns the mean of a model's draws. The next function returns the draw with the highest

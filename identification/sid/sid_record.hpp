@@ -37,7 +37,7 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
 /// The response at the start of the window divided by its RMS: the largest ratio of all responses.
-/// Empty if they start at rest, or if the record does not determine whether they do. The ratio of a
+/// Empty if the responses start at rest, or if the record cannot show this. The ratio of a
 /// displacement or velocity is used if it exceeds a tenth and the value at the start exceeds three
 /// standard errors. For an acceleration, it is the RMS of the first quarter of a period divided by
 /// the total RMS, used only if the window starts later than the record, without lead-in.

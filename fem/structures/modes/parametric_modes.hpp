@@ -109,8 +109,8 @@ class ParametricModes {
 
   /// Summary of the training of the basis.
   struct Training {
-    int basis = 0;          ///< number of columns of the basis; the number of degrees of freedom
-                            ///< for a complete basis
+    int basis = 0;          ///< number of columns of the basis; for a complete basis, the number of
+                            ///< degrees of freedom
     bool complete = false;  ///< true without reduction: the basis is complete or not used
     int points = 0;         ///< number of training points with a valid structure
     int solved = 0;         ///< number of full problems solved to build the basis

@@ -106,10 +106,10 @@ class ParametricStructure {
   Discretisation nominal_;
   Form form_ = Form::general;
   int terms_ = 0;
-  std::vector<int> group_;          // term of each strain
+  std::vector<int> group_;          // index of the term of each strain
   std::vector<Sparse> part_terms_;  // the last terms: parts of K that is given as matrices
   std::vector<double> nominal_scales_;
-  bool definite_ = false;  // every term is positive semidefinite
+  bool definite_ = false;  // true: every term is positive semidefinite
   Eigen::MatrixXd low_rank_;
   std::vector<int> term_of_column_;
   Eigen::MatrixXd slopes_;

@@ -82,7 +82,7 @@ class ResidualFlexibility {
 /// the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
 struct ResidualModes {
   Eigen::VectorXd eigenvalues;  ///< θ, ascending
-  Eigen::MatrixXd forms;        ///< m × modes: values of the forms for the mass-normalised modes
+  Eigen::MatrixXd forms;        ///< m × modes: values of the forms in the mass-normalised modes
   Eigen::MatrixXd weights;      ///< 2m × modes: weights of u_1 … u_m, w_1 … w_m in each mode
 };
 

@@ -17,7 +17,7 @@ namespace wheeltap::fem {
 ///   l₀ = K_II⁻¹ f_I,            r₀ = f_E - K_EI l₀,
 ///   l_n = K_II⁻¹ M_II l_{n-1},  r_n = M_EI l_{n-1} - K_EI l_n,
 ///
-/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The motion l is nonzero only in the
+/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The motions l are nonzero only in the
 /// interior, and the forces r act only on the edge (static condensation; Guyan 1965, AIAA J.
 /// 3:380). K_II and K l are summed from the strains in extended precision.
 ///

@@ -48,7 +48,7 @@ class StructureReanalysis {
 
   /// Computes the modes of the intact structure. `modes` is the largest number of lowest
   /// frequencies that a caller can request, rigid-body modes included. `kept` is the number of
-  /// modes to keep, or 0 for `kept_modes`. Throws the exceptions of `structure_modes`, and
+  /// modes to keep; 0: the value of `kept_modes`. Throws the exceptions of `structure_modes`, and
   /// std::invalid_argument if one of the lowest modes may be missing.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
                       int kept = 0);

@@ -15,7 +15,7 @@ namespace wheeltap::identification::monitoring {
 
 struct DefectPath {
   int kind = 0;
-  double from = 0.0, to = 0.0;  ///< interval of the location on the kind's line
+  double from = 0.0, to = 0.0;  ///< interval that the location represents, on the kind's line
   double extent = 0.0;          ///< [m]; if the kind's extent is unknown, a quantile of its prior
   double log_prior = 0.0;       ///< ln P(location | one defect of this kind)
   /// Nodes, ascending; a single node if the severity is known

@@ -51,7 +51,7 @@ inline constexpr int kRowsBelow = 24;
 struct ChartFinding {
   std::string name;
   double threshold = 0.0;
-  std::vector<double> statistic = {};  ///< one per row after the training period; NaN: none
+  std::vector<double> statistic = {};  ///< per row after the training period; NaN: not computed
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 

@@ -55,7 +55,7 @@ struct CandidateTiles {
 };
 
 struct RowStart {
-  const double* h;         ///< block: observation vector of every feature
+  const double* h;         ///< observation vector of every feature
   double fast, slow;       ///< decays of both drifts since the previous row
   const char* is_present;  ///< p
 };
@@ -65,7 +65,7 @@ struct Entry {
   int j, e;
   double v, s;          ///< innovation without a shift, and its variance
   double degrees;       ///< degrees of freedom of Student's t; infinity: Gaussian
-  const double* along;  ///< e: h'k_i of feature j for the gains k_i of earlier entries
+  const double* along;  ///< h'k_i of feature j for the gains k_i of the e earlier entries
   const double* prior;  ///< kSizes x p: inverse prior variances
 };
 

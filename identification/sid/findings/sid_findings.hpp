@@ -26,7 +26,7 @@ struct SidModelFinding {
   std::vector<ChainMode> modes;  ///< modes of the linear part of the chain
 };
 
-/// Log Bayes factor ln (p(data | model) / p(data | against)).
+/// Log Bayes factor ln (p(data | model) / p(data | against)) of two models.
 struct BayesFactor {
   int model = 0, against = 0;
   std::optional<double> log;  ///< empty if the evidence of a model is unknown

@@ -55,8 +55,8 @@ struct ModelWindows {
 /// least two windows; for credible intervals of useful width, five or more. The estimates ẑ_w and
 /// s_w no longer contain the window's prior N(0, 1). Windows of further records are used in the
 /// same way. A normal log posterior decreases by 2 at two standard deviations from the posterior
-/// mode, along the regression on the parameter. A window with a decrease below 1 or above 4 counts
-/// as far from normal.
+/// mode, along the regression on the parameter. If the decrease is below 1 or above 4, the window
+/// counts as far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
 /// This limit differs from the mean of the estimates of the windows, because windows with more

@@ -21,8 +21,8 @@ struct TermFinding {
   /// Unknown coefficients of the term, given that the term is included
   std::vector<ParameterFinding> parameters = {};
 
-  /// True for an included term: its inclusion probability is above the limit kDecided. The next
-  /// function is true for an excluded term: its inclusion probability is below 1 - kDecided.
+  /// True if the inclusion probability is above kDecided, so that the term counts as included. The
+  /// next function is true if it is below 1 - kDecided: the term counts as excluded.
   [[nodiscard]] bool is_in() const { return inclusion > kDecided; }
   [[nodiscard]] bool is_out() const { return inclusion < 1.0 - kDecided; }
   static constexpr double kDecided = 0.9;
@@ -36,8 +36,8 @@ struct Discovery {
 };
 
 /// Computes inclusion probabilities from the model probabilities
-/// (inference/diagnosis/standing.hpp), which come from the evidence for models without reliable
-/// draws. The error of an inclusion probability combines two parts: the error of the mean of the
+/// (inference/diagnosis/standing.hpp), which use the evidence of models whose draws are not
+/// reliable. The error of an inclusion probability combines two parts: the error of the mean of the
 /// term's indicator over the Markov chains (at least the effect of one effective draw), and the
 /// errors of model probabilities from evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,

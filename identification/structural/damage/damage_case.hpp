@@ -56,7 +56,7 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
-  /// The intact beam; null for a structure.
+  /// The intact beam; null if the case defines a structure.
   [[nodiscard]] const fem::Beam* intact_beam() const { return structure ? nullptr : &beam; }
   /// True if the case defines a structure or shapes, or if its beam has defects that the beam model
   /// does not support (a crack, a mass, an extent).

@@ -23,13 +23,13 @@ struct DamageProblem : StructuralProblem {
   /// True if the intact beam and the location priors are mirror-symmetric, and no data (such as
   /// shapes) distinguish the two sides.
   bool symmetric = false;
-  SiteSymmetries symmetries = {};  ///< symmetries that structure and data have
+  SiteSymmetries symmetries = {};  ///< symmetries of structure and data
   int common = 0;                  ///< number of parameters that all models share
   /// True if Wheeltap's FE model predicts (no external model and no user's model), and the only
   /// observations are the data of the case.
   bool as_case = true;
 
-  /// The external program or server that replaces the FE solution, or null.
+  /// The external program or server that replaces the FE solution; or null.
   [[nodiscard]] const ProgramModel* program() const {
     return dynamic_cast<const ProgramModel*>(model.get());
   }
@@ -37,7 +37,7 @@ struct DamageProblem : StructuralProblem {
   using Component = PlacedDefect;
   /// True if the emulator only screens proposals, so that the posterior uses the FE solution.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
-  /// The forward model that the likelihood uses.
+  /// The forward model by which the likelihood predicts.
   [[nodiscard]] const ForwardModel& predicting() const {
     return emulated && !exact() ? *emulated : *model;
   }

@@ -1,4 +1,4 @@
-// A forward model that an emulator of its frequencies replaces.
+// A forward model whose frequencies an emulator predicts.
 #pragma once
 
 #include <memory>

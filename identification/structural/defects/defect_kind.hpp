@@ -121,7 +121,7 @@ struct DefectKind {
   [[nodiscard]] int parameters() const {
     return 1 + (severity_prior() ? 1 : 0) + (extent_prior ? 1 : 0);
   }
-  /// The known severity: a number, or ∞.
+  /// The severity of a kind with known severity: a number, or ∞.
   [[nodiscard]] double known_severity() const {
     const double* number = std::get_if<double>(&severity);
     return number ? *number : std::numeric_limits<double>::infinity();

@@ -20,7 +20,7 @@ class SiteLine {
     int site;
     std::string name;   ///< name of the site (member, joint …)
     double start, end;  ///< positions of the start and the end on the line
-    double size;        ///< [m] for a member; 0 for a point
+    double size;        ///< length [m] of a member; 0 for a point
     int first_cell;     ///< index of the site's first cell
   };
   /// The place of a point on the line.

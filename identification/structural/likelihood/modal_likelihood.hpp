@@ -24,8 +24,8 @@ struct ModalNoise {
   std::vector<double> emulator_variance = {};
 };
 
-/// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
-/// adjacent to f, if no eigenvalue gives exactly f).
+/// The eigenvalue λ [rad²/s²] for which √λ / 2π, in floating point, equals f [Hz] (or a number
+/// adjacent to f, if no eigenvalue gives f).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
 /// Sd of the coefficient with which the model error δK mixes mode k into mode j. δK changes a

@@ -24,8 +24,8 @@ namespace wheeltap::identification {
 ///
 ///   exp(-χ²_plane/2) · √(2π) s · N_π(α̂; 0, τ² + s²),
 ///
-/// with α̂ the best angle, s its sd from the noise and N_π the normal density wrapped at π. This is
-/// the mean of exp(-χ²/2) over α, and at most 1. For τ = 0, it is exp(-χ²/2).
+/// with α̂ the best angle, s the sd of α̂ from the noise, and N_π the normal density wrapped at π.
+/// This is the mean of exp(-χ²/2) over α, and at most 1. For τ = 0, it is exp(-χ²/2).
 ///
 /// If the model error mixes other modes into the computed mode, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
 /// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.

@@ -130,8 +130,8 @@ class StatesLikelihood {
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
-  /// All frequencies [Hz] at a generic prior draw, at which only true symmetries give equal
-  /// frequencies. Empty if no draw gives a stable structure.
+  /// All frequencies [Hz] at a generic prior draw, at which only true symmetries make frequencies
+  /// equal. Empty if no draw gives a stable structure.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
 

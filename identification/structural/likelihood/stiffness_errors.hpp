@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 
 /// Parts of a structure with independent stiffness errors: approximately the quarters of each
 /// member (its ends, where joints are flexible, and its middle), and each spring, tie and chain
-/// link. The parts do not depend on the mesh if members have at least four elements. Geometric
+/// link. The parts do not depend on the mesh if members have at least four elements. The geometric
 /// stiffness of axial forces is not a part.
 class StiffnessPieces {
  public:
@@ -44,7 +44,7 @@ class StiffnessPieces {
 /// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
 /// so that the likelihood does not attribute stiffness errors to damage. The stiffness that a
-/// damage removes from a part has a separate error of the same size (`StiffnessPieces::losses`).
+/// damage removes from a part has a separate error, also with the sd σ (`StiffnessPieces::losses`).
 /// With residuals r in units of the noise and their sensitivities X, ln p increases by
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr

@@ -23,7 +23,7 @@ class UnknownScatters {
 
  private:
   std::vector<inference::Parameter> parameters_;
-  std::vector<double ModalNoise::*> places_;  // member of ModalNoise for each parameter
+  std::vector<double ModalNoise::*> places_;  // the ModalNoise member of each parameter
   ModalNoise known_;
 };
 

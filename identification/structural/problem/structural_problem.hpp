@@ -32,7 +32,7 @@ struct StructuralProblem {
     std::shared_ptr<const Observation> observation = {};
     std::size_t first = 0, count = 0;
   };
-  std::vector<Placed> observations = {};  ///< the case's data, then added observations
+  std::vector<Placed> observations = {};  ///< data of the case, then added observations
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
@@ -86,8 +86,8 @@ struct StructuralProblem {
 
   enum class First { noise, structure };
   /// Sets `observations` and the positions of parameters. Returns the parameters common to all
-  /// models: `intact` (θ) and the noise of `observed` in the order of `first`, then the noise of
-  /// `added`.
+  /// models: `intact` (θ) and the noise parameters of `observed` in the order of `first`, then
+  /// those of `added`.
   std::vector<inference::Parameter> place_parameters(
       First first, const std::vector<inference::Parameter>& intact,
       const std::vector<std::shared_ptr<const Observation>>& added);

@@ -1,8 +1,8 @@
 // Check of the mode numbers of measured frequencies if no shapes were measured.
 //
-// Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2
-// < … assigns other modes instead. Its prior weight is the product of 0.05 for each mode missed
-// in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
+// Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2 <
+// … assigns other modes instead. Its prior weight is a product: a factor 0.05 for each mode that is
+// missed in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
 // priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
 // that
 //
@@ -36,7 +36,7 @@ struct NumberingFinding {
 };
 
 /// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has
-/// the assumed index (from 0) of each measured mode among them. `ln_measured` and `covariance` are
+/// the assumed column in `ln_f` of each measured mode, from 0. `ln_measured` and `covariance` are
 /// ln f of the measured modes and its covariance. Requires more than 2 draws per mode.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,

@@ -17,7 +17,7 @@ struct PlaceProbabilities {
 
 /// Finds groups of places that exclude each other. In a group, each place is damaged with a
 /// probability of at least 5 %. The probability that both places of a pair are damaged is at most a
-/// tenth of that of the less probable place. The total probability of a group is at least one half.
+/// tenth of that of the less probable one. The total probability of a group is at least one half.
 /// Groups and places are sorted, most probable first; a place is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
