@@ -23,8 +23,8 @@ struct TestDesign {
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// The sd of shape entries, for a largest entry of 1 over all candidate sensors, is given for
-/// `reference_seconds` and is proportional to 1/√T, as in this formula.
+/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1. It
+/// is given for T = `reference_seconds`, and is proportional to 1/√T.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;

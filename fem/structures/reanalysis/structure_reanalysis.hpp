@@ -17,7 +17,7 @@ namespace wheeltap::fem {
 /// mass has Γ⁻¹ = 1/(λ μ). The added mass is represented by a mass μ that floats freely beside the
 /// structure (a mode at λ = 0 with motion 1/√μ) and a rigid link to the motion r. The floating mass
 /// adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
-/// floating mass with the opposite sign in the count.
+/// floating mass that enters the eigenvalue count with the opposite sign.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
 /// frequencies is then at most 1e-9 in a test with 2000 random sets of defects per structure

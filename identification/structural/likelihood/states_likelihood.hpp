@@ -163,8 +163,8 @@ class StatesLikelihood {
   };
   /// Integrates over the stiffness errors of all modes except mode `without` (-1: of all).
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
-  /// ∂f/∂a_p of the frequencies `with`; columns: the `errors()` stiffness errors, repeated for each
-  /// value of `known`.
+  /// ∂f/∂a_p of the frequencies `with`; the columns are the `errors()` stiffness errors, once for
+  /// each value of `known`.
   [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
       const std::vector<int>& with) const;

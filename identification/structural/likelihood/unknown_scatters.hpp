@@ -16,7 +16,7 @@ class UnknownScatters {
   explicit UnknownScatters(const ModalData& data);
 
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// All noise parameters of a state, for these values of the unknown ones.
+  /// All noise parameters of a state; `values` are those of the unknown noise parameters.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
   /// True if a noise parameter is unknown, for example `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
