@@ -48,7 +48,7 @@ class DoubleDouble {
   }
   friend DoubleDouble sqrt(const DoubleDouble& a) {
     if (a.high_ <= 0.0) return std::sqrt(a.high_);
-    // One Newton step from a root with 53 bits.
+    // One Newton step from a square root that is accurate to 53 bits.
     const double root = std::sqrt(a.high_);
     const DoubleDouble rest = a - product(root, root);
     return fast_sum(root, rest.high_ / (2.0 * root));

@@ -16,41 +16,41 @@ inline constexpr double kConfirmed = 1e-12;
 /// Result of one evaluation of the secular problem for one root.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
-  double radius = 0.0;  ///< an eigenvalue lies within lambda ± radius
+  double radius = 0.0;  ///< an eigenvalue lies between lambda - radius and lambda + radius
   double at = 0.0;      ///< the λ at which the secular problem was evaluated
   int below = 0;        ///< number of eigenvalues below `at`
 };
 
-/// The intact modes, and the quantities of the defects from which bounds of the roots follow. This
-/// structure does not own its arrays.
+/// The intact modes, and the quantities of the defects from which bounds of the roots follow. The
+/// arrays belong to the caller.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j
   std::size_t stride;         ///< distance between columns: number of modes, at least two
   int modes;
   const Window* window;
-  int added_poles = 0;           ///< number of floating masses: leading `eigenvalues`
-  int negative_poles = 0;        ///< number of leading added poles with negative mass
+  int added_poles = 0;           ///< number of floating masses, the first `eigenvalues`
+  int negative_poles = 0;        ///< number of floating masses with negative mass, which come first
   double residual_factor = 1.0;  ///< Secular::residual_factor
   int columns;
   int supports;                         ///< number of support columns, which come first
   int held;                             ///< number of degrees of freedom that the supports remove
   double least_remaining;               ///< root i >= least_remaining · λ_i; may be 0
-  double added_stiffness;               ///< stiffness of the springs: bounds the increase of any
-                                        ///< root
+  double added_stiffness;               ///< stiffness of the springs, a bound of the increase of
+                                        ///< any root
   const double* c;                      ///< columns × stride
   std::span<const double> starts = {};  ///< initial value of each root; empty: first-order estimate
 };
 
-/// Finds the roots eight at a time, each root in a lane of `SecularKernel`. The inertia of S
-/// brackets a root. Rayleigh quotients converge quadratically to the root from a first-order start.
+/// Finds eight roots at a time, each in a SIMD lane of `SecularKernel`. The inertia of S brackets a
+/// root. From a first-order start, Rayleigh quotients converge to it quadratically.
 ///
-/// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
-/// the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each root has
-/// an interval that contains at least one eigenvalue. Suppose that b of these intervals are
-/// disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then each
-/// interval contains exactly one eigenvalue, and its distance to the other intervals is the gap.
-/// Thus
+/// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate
+/// of the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each
+/// root has an interval that contains at least one eigenvalue. Suppose that b of these
+/// intervals are disjoint and lie below a value λ, and that the inertia counts b eigenvalues
+/// below λ. Then each of them contains exactly one eigenvalue, and the gap is its distance to
+/// the others. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
@@ -60,7 +60,7 @@ struct SecularProblem {
 /// counts disagree with the root, bisection follows.
 class RootSearch {
  public:
-  /// Sets the secular problem; the caller must call this function for each set of defects.
+  /// Sets the secular problem. The caller must call this function for each set of defects.
   /// RootSearch keeps pointers to the memory of the problem.
   void set(const SecularProblem& problem, const SecularKernel& kernel);
 
@@ -68,8 +68,8 @@ class RootSearch {
   /// before `first` are zero.
   void find(int first, std::span<double> lambda);
 
-  /// The mode shape of one root: the components along the two nearest intact modes, and the forces
-  /// η of `DefectColumns`.
+  /// The mode shape that belongs to one root: its components along the two nearest intact modes,
+  /// and the forces η of `DefectColumns`.
   struct Mode {
     int root;
     double lambda;
@@ -86,13 +86,13 @@ class RootSearch {
   void coordinates(const Mode& mode, double* coordinates) const;
 
  private:
-  /// State of the refinement of one root in one lane.
+  /// State of the refinement of one root in one SIMD lane.
   struct Search {
-    int root = -1;   // index (from 0) among the damaged eigenvalues; -1 when idle
+    int root = -1;   // index (from 0) of the eigenvalue; -1 if the lane is idle
     double z = 0.0;  // next λ at which the secular problem is evaluated
     double low = 0.0, high = 0.0;
     int evaluations = 0;
-    bool confirming = false;  // true while waiting for confirmation
+    bool confirming = false;  // true while the root waits for confirmation
     double lambda = 0.0;      // approximate root that waits for confirmation
   };
 
@@ -126,7 +126,7 @@ class RootSearch {
   SecularSteps steps_;
   std::vector<Pack> packs_;
   std::vector<double> pairs_, product_, eta_;
-  std::vector<Found> found_;  // one per root, and one additional entry
+  std::vector<Found> found_;  // one entry per root, and one additional entry
   std::vector<int> queue_;
   int last_ = 0;  // index of the root after the requested roots, evaluated once; -1: none
 };

@@ -9,15 +9,15 @@ namespace wheeltap::fem::detail {
 // The kernels read plain arrays. This header must not include library code. Otherwise the linker
 // could select a library function compiled for AVX-512 and use it on every processor.
 
-inline constexpr int kLanes = 8;      ///< values of λ evaluated together
-inline constexpr int kPairChunk = 5;  ///< entries of F accumulated together
+inline constexpr int kLanes = 8;      ///< number of values of λ that are evaluated together
+inline constexpr int kPairChunk = 5;  ///< number of entries of e eᵀ that are summed together
 
 struct alignas(64) Pack {
   double lane[kLanes];
 };
 
-/// One set of defects in the coordinates of the intact modes. The static part of each mode is
-/// subtracted, so that the columns of supports can include rigid-body modes:
+/// The secular function of one set of defects, in coordinates of the intact modes. The static part
+/// of each mode is subtracted, so that the columns of supports can include rigid-body modes:
 ///
 ///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
 ///
@@ -40,9 +40,9 @@ struct Secular {
   const double* scales = nullptr;       ///< s_j of all modes
   std::size_t stride = 0;               ///< distance between columns of c
   const double* c = nullptr;            ///< c[a * stride + j]
-  /// The entries of e eᵀ. Entry (a, b <= a) has the number t; row j belongs to a near mode, or to a
-  /// term of the series. The array element is pairs[((t / kPairChunk) * rows() + j) * kPairChunk +
-  /// t % kPairChunk].
+  /// The entries of e eᵀ. Entry (a, b <= a) has the number t; each row j belongs to a near mode, or
+  /// to a term of the series. The array element is pairs[((t / kPairChunk) * rows() + j) *
+  /// kPairChunk + t % kPairChunk].
   const double* pairs = nullptr;
 
   [[nodiscard]] int rows() const { return near + terms; }
@@ -51,8 +51,8 @@ struct Secular {
   }
 };
 
-/// Results of one evaluation. Without the modes p and p + 1 (`lower_pole`), the remaining part A(λ)
-/// of S has no pole near λ. The modes of the damaged structure solve H(λ) v = 0,
+/// Results of one evaluation of S. The part A(λ) of S without the modes p and p + 1 (`lower_pole`)
+/// has no pole near λ. The modes of the damaged structure solve H(λ) v = 0,
 ///
 ///   H(λ) = diag(1/κ_p, 1/κ_{p+1}) - [e_p e_{p+1}]ᵀ A⁻¹ [e_p e_{p+1}],   N = -H' positive definite.
 ///
@@ -67,7 +67,7 @@ struct Secular {
 /// |g|² / (θ |a|²) - (aᵀ g / |a|²)² (Parlett 1998, theorem 4.5.1; 1/θ: `residual_factor`).
 struct SecularSteps {
   Pack negative;                        ///< negative inertia of A
-  Pack smallest_pivot;                  ///< smallest pivot of the factorisation of A, relative to
+  Pack smallest_pivot;                  ///< smallest pivot of the factorisation of A, divided by
                                         ///< the diagonal
   Pack low, high;                       ///< δ, low <= high
   Pack low_step, high_step;             ///< Rayleigh quotients - λ
@@ -86,8 +86,8 @@ struct SecularScratch {
   Pack* forces = nullptr;  ///< 2 m, also a result of `evaluate`: A⁻¹ e_p, then A⁻¹ e_{p+1}
 };
 
-/// The time-critical functions, compiled for one instruction set. The results are bitwise equal for
-/// all instruction sets.
+/// The functions that take most of the run time, compiled for one instruction set. The results are
+/// bitwise equal for all instruction sets.
 struct SecularKernel {
   const char* name;
 

@@ -22,7 +22,7 @@ inline Vec& at(Pack& pack, int first) {
   return *reinterpret_cast<Vec*>(pack.lane + first);
 }
 
-/// Loads kWidth numbers from any address.
+/// Loads kWidth numbers from an address of any alignment.
 inline Vec load(const double* from) {
   Vec out;
   std::memcpy(&out, from, sizeof out);
@@ -30,7 +30,7 @@ inline Vec load(const double* from) {
 }
 
 /// Computes Σ_j a[j] b[j] as eight partial sums, whose order of operations does not depend on the
-/// vector width. Then the partial sums are added in order.
+/// vector width. Then adds the partial sums in order.
 inline double dot(const double* a, const double* b, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};
@@ -113,7 +113,7 @@ struct Small {
   Vec above1, above2;  // s_p - λ_p + λ
 };
 
-/// Computes the properties of the mode shape for one solution δ; see SecularSteps.
+/// Computes the values of SecularSteps for the mode shape of one solution δ.
 inline void shape(const Small& k, const Vec& delta, double residual_factor, bool low, Pack& step,
                   Pack& residual, Pack& v1, Pack& v2, Pack& a1, Pack& a2, int lanes) {
   const Vec zero{};
@@ -198,7 +198,7 @@ inline void factor_matrix(const Secular& s, int lanes, const SecularScratch& scr
       const Pack* rb = row_of(scratch, b);
       Vec entry = -at(ra[b], lanes);
       for (int c = 0; c < b; ++c) entry -= at(ra[c], lanes) * at(rb[c], lanes);
-      at(ra[b], lanes) = entry;  // still scaled by D
+      at(ra[b], lanes) = entry;  // the entry is still scaled by D
     }
     for (int b = 0; b < a; ++b) {
       const Vec scaled = at(ra[b], lanes);
@@ -253,7 +253,7 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   const Pack* y2 = y1 + m;
   const Vec zero{};
   Vec b11 = zero, b12 = zero, b22 = zero;
-  Vec m11 = zero, m12 = zero, m22 = zero;  // contribution of the modes with negative sign to B
+  Vec m11 = zero, m12 = zero, m22 = zero;  // contribution to B of modes with negative sign
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {
@@ -296,8 +296,8 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
 }
 
 /// Computes both values δ of H v = δ N v with the Cholesky factor of N. The value with the smaller
-/// magnitude is determinant / other value. This value therefore keeps its relative accuracy at
-/// convergence.
+/// magnitude is determinant / other value. It therefore keeps its relative accuracy as it converges
+/// to zero.
 inline void both_roots(const Small& k, Vec& low, Vec& high) {
   const Vec zero{};
   const Vec r = k.n12 / k.n11;

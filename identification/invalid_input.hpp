@@ -1,4 +1,4 @@
-// The error for invalid input, with the location of the error in the input.
+// Exception for invalid input, with the location of the fault in the input.
 #pragma once
 
 #include <stdexcept>
@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// Thrown for input that contradicts itself or is out of range. The caller that parsed the input (a
-/// case file, function arguments) converts `part` to a location in its input, for example a JSON
+/// Thrown for contradictory input and for values out of range. The caller that parsed the input (a
+/// case file, function arguments) converts `part` to a location in this input, for example a JSON
 /// path.
 class InvalidInput : public std::invalid_argument {
  public:

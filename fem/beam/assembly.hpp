@@ -13,25 +13,25 @@
 
 namespace wheeltap::fem {
 
-/// The deflection w(x) or rotation θ(x) at one location as a linear combination of four
-/// neighbouring degrees of freedom: coefficients · u[first_dof .. first_dof + 4). At a node, only
-/// one coefficient is not zero.
+/// Deflection w(x) or rotation θ(x) at one location, as a linear combination of four neighbouring
+/// degrees of freedom: coefficients · u[first_dof .. first_dof + 4). At a node, only one
+/// coefficient is nonzero.
 template <class Real>
 struct MotionRow {
   int first_dof;
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// Computes the row of w(x) or θ(x) from the shape functions of the element; the row is exact at
-/// nodes. A location within 1e-9 L of a node counts as that node. Throws std::invalid_argument
+/// Computes the row of w(x) or θ(x) from the element's shape functions; at nodes, the row is exact.
+/// A location within 1e-9 L of a node counts as this node. Throws std::invalid_argument if x is
 /// outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// Computes the remaining share Π (1 - r) of the stiffness of each element, for its stiffness
-/// reductions r. The product is used, because 1 minus the lost share has no correct digits if
-/// little stiffness remains.
+/// Computes the share of each element's stiffness that remains after its reductions r: Π (1 - r).
+/// This product is accurate even if little stiffness remains; 1 minus the lost share would then
+/// have no correct digits.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
@@ -49,7 +49,7 @@ struct Assembly {
   Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;                 ///< Tᵀ M T, n × n
   Sparse free_to_all;          ///< T, 2 (elements + 1) × n
-  std::vector<int> free_dofs;  ///< n entries: the degree of freedom of the mesh for each entry of q
+  std::vector<int> free_dofs;  ///< degree of freedom in the mesh of each entry of q
 };
 
 /// Assembles the eigenvalue problem. Throws std::invalid_argument for an invalid beam, and for a

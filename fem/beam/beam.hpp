@@ -13,7 +13,7 @@ struct Material {
   double poisson;  ///< Poisson's ratio ν [-], -1 < ν < 0.5
   double density;  ///< mass density ρ [kg/m³], > 0
 
-  /// G = E / (2 (1 + ν)) [Pa].
+  /// Shear modulus G = E / (2 (1 + ν)) [Pa].
   [[nodiscard]] double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
 };
 
@@ -46,17 +46,17 @@ struct Beam {
   [[nodiscard]] double element_length() const { return length / elements; }
 
   /// Returns the index (from 0) of the element that contains x. Element e covers [x_e, x_{e+1});
-  /// the last element includes its end. An x within 1e-9 L of a node counts as that node. Throws
-  /// std::invalid_argument outside [0, L].
+  /// the last element includes its end. An x within 1e-9 L of a node counts as this node. Throws
+  /// std::invalid_argument for x outside [0, L].
   [[nodiscard]] int element_at(double x) const;
 
   /// Returns the midpoint of element e [m].
   [[nodiscard]] double element_midpoint(int e) const { return (e + 0.5) * element_length(); }
 };
 
-/// Returns the supports with a name: "simply-supported", "cantilever" (clamped at 0),
+/// Returns the supports of a named type: "simply-supported", "cantilever" (clamped at 0),
 /// "clamped-clamped", "clamped-pinned" (clamped at 0), "free-free". Throws std::invalid_argument
-/// for another name.
+/// for any other name.
 [[nodiscard]] std::vector<Support> named_supports(std::string_view name, double length);
 
 /// True if the intact beam is symmetric under x → L - x. Natural frequencies then cannot

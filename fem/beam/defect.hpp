@@ -14,8 +14,8 @@ struct Damage {
   double reduction;  ///< r [-] in [0, 1)
 };
 
-/// A spring to ground at `location`. The force of the spring acts on the beam through the shape
-/// functions of the element. An infinite stiffness means a rigid support.
+/// A spring to ground at `location`. The shape functions of the element distribute the force of the
+/// spring to its nodes. An infinite stiffness means a rigid support.
 struct SpringSupport {
   double location;                                             ///< x [m] in [0, L]
   double stiffness = std::numeric_limits<double>::infinity();  ///< [N/m] or [N·m/rad], > 0

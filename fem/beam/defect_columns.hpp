@@ -27,9 +27,9 @@ namespace wheeltap::fem::detail {
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
 ///
 /// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes,
-/// which only deform the springs. The sum Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to
-/// Rᵀ R. Every term of Rᵀ R is a square, and Givens rotations assemble R row by row. R is therefore
-/// accurate even if almost no stiffness remains. `Secular` receives the columns L⁻¹ C.
+/// which only deform the springs. The sum Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over the soft modes is added
+/// to Rᵀ R. Every term of Rᵀ R is a square, and Givens rotations assemble R row by row. R is
+/// therefore accurate even if almost no stiffness remains. `Secular` receives the columns L⁻¹ C.
 class DefectColumns {
  public:
   /// Computes the columns of these defects. Throws std::invalid_argument for defects outside the
@@ -39,12 +39,12 @@ class DefectColumns {
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
-  /// Number of rigid supports among the defects. Each rigid support removes one degree of freedom.
+  /// Number of degrees of freedom that rigid supports remove: one per rigid support.
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
-  /// The smallest remaining stiffness q of an element: eigenvalue i of the damaged beam is at least
-  /// q times intact eigenvalue i.
+  /// The smallest remaining share q of an element's stiffness. Eigenvalue i of the damaged beam is
+  /// at least q times intact eigenvalue i.
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² over the springs: an upper bound on the increase of any eigenvalue.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
@@ -58,16 +58,16 @@ class DefectColumns {
   struct Element {
     int element;
     double remaining;  ///< q = Π (1 - r)
-    double lost;       ///< 1 - q, stored separately because the difference loses digits for q near
-                       ///< 1
+    double lost;       ///< 1 - q, stored separately because the subtraction loses digits if q is
+                       ///< near 1
   };
   [[nodiscard]] std::span<const Element> elements() const { return elements_; }
-  /// The index of the column of each listed support; -1 if the motion of the support is already
-  /// restrained.
+  /// Index of the column of each listed support; -1 if the beam already restrains the motion at
+  /// this support.
   [[nodiscard]] std::span<const int> support_column() const { return support_column_; }
 
-  /// Converts the forces η of L⁻¹ C to the motion or strain cᵀφ of each column, Γ⁻¹ L⁻ᵀ η, in
-  /// place.
+  /// Replaces the forces η in the columns L⁻¹ C by Γ⁻¹ L⁻ᵀ η: the motion or strain cᵀφ of each
+  /// column c.
   void strains(std::span<double> eta) const;
 
  private:
@@ -79,12 +79,12 @@ class DefectColumns {
   void rotate_in(double* row);
 
   std::vector<Element>
-      elements_;  // ascending elements, so that the order of reductions does not change results
+      elements_;  // elements in ascending order, so that the order of reductions has no effect
   std::vector<int> support_column_;
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 for a rigid support
   std::vector<double> factor_;         // L, row-major, most_ entries per row
-  std::vector<double> springs_;  // per support column: the entries of the springs, from 1/√k
+  std::vector<double> springs_;  // entries of the springs for each support column, from 1/√k
   std::vector<double> row_;      // scratch
   std::size_t most_ = 0;         // largest possible number of columns
   int support_columns_ = 0, damage_columns_ = 0, held_ = 0, rigid_ = 0;

@@ -1,4 +1,4 @@
-// Computation of all modes of the intact beam with a higher accuracy than double precision.
+// Computation of all modes of the intact beam with more than double precision.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -13,17 +13,17 @@ struct FullSpectrum {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   Vector eigenvalues;  ///< n, ascending [rad²/s²]; exactly 0 for rigid-body modes
   Matrix shapes;       ///< 2 (elements + 1) × n; includes restrained degrees of freedom
-  /// 2 elements × n: the strains b·φ and a·φ of each element [√J], rounded to double once; 0 for
-  /// rigid-body modes.
+  /// 2 elements × n: the strains b·φ and a·φ of each element [√J], with one final rounding to
+  /// double; 0 for rigid-body modes.
   Eigen::MatrixXd strains;
   int rigid_body_modes = 0;
 };
 
 /// Computes all modes by `lowest_modes` in O(n²) operations. With long double alone, the
 /// eigenvectors of the low modes would have an error of 2⁻⁶⁴ λ_max / λ_j, for example 1e-8 for a
-/// beam on soft springs. The reanalysis would divide this error by the remaining stiffness. A fully
-/// restrained beam has no modes. Throws std::invalid_argument for an invalid beam,
-/// std::runtime_error if an iteration does not converge.
+/// beam on soft springs. The reanalysis would divide this error by the remaining share of the
+/// stiffness. A fully restrained beam has no modes. Throws std::invalid_argument for an invalid
+/// beam, std::runtime_error if an iteration does not converge.
 [[nodiscard]] FullSpectrum full_spectrum(const Beam& beam);
 
 }  // namespace wheeltap::fem

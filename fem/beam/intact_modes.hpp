@@ -1,4 +1,4 @@
-// Precomputed data of the intact beam for the reanalysis. Internal.
+// Precomputed data of the intact beam. Internal to the reanalysis.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace wheeltap::fem::detail {
 struct IntactModes {
   Beam beam;
   TimoshenkoElement<double> element;
-  int wanted;                       // largest number of modes that a caller can request
+  int wanted;                       // largest number of modes that callers can request
   int modes;                        // number n of all modes of the mesh
   int rigid;                        // number of modes at λ = 0
   std::size_t stride;               // n, but at least two
@@ -27,20 +27,20 @@ struct IntactModes {
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
   int self_stresses = 0;             // number of self-stress states
   std::vector<double> stress_rows;   // 2 elements × self_stresses
-  std::vector<Window> windows;       // three windows: for no added support, for few, and for any
-                                     // number of supports
+  std::vector<Window> windows;       // three windows: for no added support, for a few supports, and
+                                     // for any number
 
-  /// Throws the same exceptions as `Reanalysis`.
+  /// Throws the same exceptions as the constructor of `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);
 
-  /// Returns the summation window of S for this number of added supports.
+  /// Returns the window for the sum in S, for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
   /// Computes Σ_j a_j b_j / s_j, a compliance that is finite also for a beam with rigid-body modes.
   [[nodiscard]] double compliance(const double* a, const double* b) const;
 
-  /// Computes row[j] = N(x) · φ_j, or N_θ(x) · φ_j for a rotation. Returns the compliance computed
-  /// from the same terms, without cancellation.
+  /// Computes row[j] = N(x) · φ_j, or N_θ(x) · φ_j for a rotation. Returns the compliance at x,
+  /// computed from the same terms without cancellation.
   double motion(double at, bool rotation, double* row) const;
 };
 

@@ -8,7 +8,7 @@
 
 namespace wheeltap::fem {
 
-/// Proven bound of the relative error of an eigenvalue, from eigenvalue counts on both sides
+/// Proven bound of the relative error of an eigenvalue, from eigenvalue counts below and above it
 /// (`WidePencil::holds`).
 inline constexpr double kProven = 1e-12;
 

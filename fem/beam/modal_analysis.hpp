@@ -18,9 +18,9 @@ struct Modes {
   /// φ = 1, and the largest deflection is positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
-  /// True if Sturm counts in 106 bits confirm each elastic mode i (from 0): at most i eigenvalues
-  /// of the assembled problem lie below ω_i² (1 - 1e-12), and more than i below ω_i² (1 + 1e-12).
-  /// Then no mode is missing, and the relative error of each frequency is at most 5e-13 plus the
+  /// True if 106-bit Sturm counts confirm each elastic mode i (from 0): at most i eigenvalues of
+  /// the assembled problem lie below ω_i² (1 - 1e-12), and more than i below ω_i² (1 + 1e-12). Then
+  /// no mode is missing, and the relative error of each frequency is at most 5e-13 plus the
   /// rounding to double precision. This error bound does not include the discretisation error of
   /// the mesh.
   bool certified = false;
@@ -33,11 +33,11 @@ struct ModalOptions {
 };
 
 /// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds
-/// approximate modes in double precision. The relative error of these low modes is about λ_max / λ
-/// times the unit round-off (λ_max / λ is 1e12 on meshes of 150 elements). Rayleigh quotient
-/// iteration in 106-bit arithmetic therefore refines the modes. If a mode is missing, bisection by
-/// Sturm counts finds all modes. Throws std::invalid_argument for an invalid beam, defects outside
-/// the beam, or more modes than free degrees of freedom.
+/// approximate modes in double precision. The relative error of these low eigenvalues is about
+/// λ_max / λ times the unit round-off (λ_max / λ is 1e12 on a mesh of 150 elements). Rayleigh
+/// quotient iteration in 106-bit arithmetic therefore refines the modes. If a mode is missing,
+/// bisection by Sturm counts finds all modes. Throws std::invalid_argument for an invalid beam,
+/// defects outside the beam, or more modes than free degrees of freedom.
 [[nodiscard]] Modes modal_analysis(const Beam& beam, const Defects& defects,
                                    const ModalOptions& options);
 

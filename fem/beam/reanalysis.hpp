@@ -22,14 +22,14 @@ namespace wheeltap::fem {
 /// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
-/// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
-/// Chebyshev series for the modes far above the requested modes. From a first-order initial value,
-/// a root needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged
-/// elements. An initial value from a previous call, for example in a Markov chain, would save
-/// little time, and the results would depend on earlier calls.
+/// `error_bound` bounds the rounding error. The only truncation error is that of a Chebyshev series
+/// for modes far above the requested ones, 1e-17. From a first-order initial value, a root needs on
+/// average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements. Initial
+/// values from a previous call, for example in a Markov chain, would save little time, and results
+/// would depend on earlier calls.
 ///
-/// The object is immutable after construction. Any number of threads may share the object, each
-/// thread with its own workspace.
+/// The object is immutable after construction. Any number of threads may share the object; each
+/// thread needs a separate workspace.
 class Reanalysis {
  public:
   class Workspace;
@@ -48,10 +48,10 @@ class Reanalysis {
     bool rotation = false;
   };
 
-  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
-  /// one row per mode.
+  /// Output of `solve`, which computes only the results whose span is not empty. Matrices are
+  /// row-major, with one row per mode.
   struct Results {
-    std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
+    std::span<double> frequencies_hz;  ///< the n <= modes() lowest frequencies, ascending
     /// n × damages: ∂f/∂r for the reduction r of each listed damage, with the other defects fixed
     /// [Hz].
     std::span<double> damage_gradients_hz;
@@ -63,32 +63,32 @@ class Reanalysis {
     std::span<double> shapes;
     std::span<const Point> points;  ///< locations at which shapes are requested
     /// n × supports: ∂f/∂k for the stiffness k of each listed support, with the other defects fixed
-    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support of an already restrained
-    /// motion.
+    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support whose motion is already
+    /// restrained.
     std::span<double> support_gradients_hz = {};
   };
 
-  /// Output of `location_slopes`. Results with an empty span are not computed. Matrices are
-  /// row-major, with one row per mode.
+  /// Output of `location_slopes`, which computes only the results whose span is not empty. Matrices
+  /// are row-major, with one row per mode.
   struct LocationSlopes {
     int modes;                        ///< n <= modes(): number of lowest modes
     std::span<double> damages_hz_m;   ///< n × damages
     std::span<double> supports_hz_m;  ///< n × supports
   };
 
-  /// Returns an upper bound of the relative error of a frequency [Hz] for these defects, compared
-  /// with exact arithmetic on the same mesh:
+  /// Returns an upper bound of the relative error of the frequency `frequency_hz` with these
+  /// defects, compared with exact arithmetic on the same mesh:
   ///
   ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ),
   ///
-  /// where k is the stiffness of the stiffest added spring and k_beam the stiffness of the beam at
-  /// the location of this spring. q = Π (1 - r) is the remaining stiffness of the most damaged
-  /// element, and λ_1 the lowest elastic eigenvalue of the intact beam. The last term is relevant
-  /// only in two cases. In the first, added supports restrain a free beam, and the compliances of
-  /// hinges and soft springs cancel those of the supports. In the second, the number of modes of
-  /// the mesh is only slightly larger than the number of strains in damaged elements. The form of
-  /// this error bound follows from rounding analysis. The factors of the error bound are chosen
-  /// such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// where k is the stiffness of the stiffest added spring, k_beam the stiffness of the beam at
+  /// this spring, and λ_1 the lowest elastic eigenvalue of the intact beam. The most damaged
+  /// element keeps the share q = Π (1 - r) of its stiffness. The last term is relevant only in two
+  /// cases. In the first, added supports restrain a free beam, and compliances of hinges and soft
+  /// springs nearly cancel those of the supports. In the second, the number of modes of the mesh is
+  /// only slightly larger than the number of strains in damaged elements. The form of this error
+  /// bound follows from rounding analysis. The factors of the error bound are chosen such that it
+  /// holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -112,10 +112,10 @@ class Reanalysis {
   ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
   ///
   /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
-  /// equation 5), with γ = -k for a spring. The additional run time for the gradients is
-  /// negligible. For a multiple eigenvalue, the gradients are those of one basis of its modes.
-  /// Throws std::invalid_argument in the same cases as `frequencies_hz`, and if the size of a span
-  /// does not fit. Throws std::runtime_error if a mode shape cannot be separated from other shapes.
+  /// equation 5), with γ = -k for a spring. The gradients take negligible additional run time. For
+  /// a multiple eigenvalue, the gradients are those of one basis of its modes. Throws
+  /// std::invalid_argument in the same cases as `frequencies_hz`, and if a span has the wrong size.
+  /// Throws std::runtime_error if a mode shape cannot be separated from the others.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 
@@ -123,9 +123,9 @@ class Reanalysis {
   /// other defects fixed [Hz/m]. Each slope is a difference quotient of exact frequencies at two
   /// locations. A damage covers a whole element. Frequencies are therefore piecewise constant in
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
-  /// locations are the midpoints of the two neighbouring elements. At an end of the beam, they
-  /// are the midpoints of the element and its only neighbour. The slope is 0 for a beam of one
-  /// element. A support acts at a point. For a support, the two locations are 10⁻³ element
+  /// locations are the midpoints of the two neighbouring elements. For an element at an end of the
+  /// beam, they are the midpoints of this element and its neighbour. The slope is 0 for a beam of
+  /// one element. A support acts at a point. For a support, the two locations are 10⁻³ element
   /// lengths before and behind the support, but not outside the beam. Throws the exceptions of
   /// `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,

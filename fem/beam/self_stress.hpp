@@ -14,11 +14,11 @@ namespace wheeltap::fem {
 ///
 ///   Q Qᵀ = I - B K⁻¹ Bᵀ = I - Σ_j c_j c_jᵀ / λ_j
 ///
-/// over the elastic modes with strains c_j. The sum on the right suffers from cancellation; the
-/// computation of Q does not. This accuracy is necessary if a damage leaves almost no stiffness.
-/// This function returns only the rows of Q for the elements, 2 elements × (number of
-/// self-stresses), in the order of `FullSpectrum::strains`. The self-stresses are computed from
-/// equilibrium along the beam, in long double.
+/// over the elastic modes with strains c_j. This sum suffers from cancellation; the computation of
+/// Q does not. An accurate Q is necessary if a damage leaves almost no stiffness. This function
+/// returns only the rows of Q for the elements, 2 elements × (number of self-stresses), in the
+/// order of `FullSpectrum::strains`. The self-stresses are computed from equilibrium along the
+/// beam, in long double.
 [[nodiscard]] Eigen::MatrixXd self_stresses(const Beam& beam);
 
 }  // namespace wheeltap::fem

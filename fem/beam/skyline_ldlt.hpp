@@ -21,7 +21,7 @@ class SkylineLdlt {
  public:
   using Sparse = Eigen::SparseMatrix<Real>;
 
-  /// K and M must be symmetric n × n matrices with both triangles stored.
+  /// K and M must be symmetric n × n matrices; both triangles must be stored.
   SkylineLdlt(const Sparse& k, const Sparse& m)
       : first_(static_cast<std::size_t>(k.rows())), start_(first_.size() + 1, 0) {
     for (std::size_t i = 0; i < first_.size(); ++i) first_[i] = i;
@@ -73,12 +73,12 @@ class SkylineLdlt {
     return negative;
   }
 
-  /// False if σ is nearly an eigenvalue of a leading principal submatrix. The rounding errors of
-  /// the tiny pivot then dominate the rows below this pivot, and the eigenvalue count and the
-  /// solutions are unreliable. The caller should retry with a slightly different σ.
+  /// False if σ is nearly an eigenvalue of a leading principal submatrix. One pivot is then tiny,
+  /// its rounding errors dominate the rows below it, and the eigenvalue count and the solutions are
+  /// unreliable. The caller should retry with a slightly different σ.
   [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
-  /// Replaces x by (K - σ M)⁻¹ x, with the last factorisation.
+  /// Replaces x by (K - σ M)⁻¹ x, for the σ of the last factorisation.
   template <class Vector>
   void solve(Vector& x) const {
     const std::size_t n = first_.size();
@@ -91,8 +91,8 @@ class SkylineLdlt {
   }
 
  private:
-  /// Limit of the growth of entries. In double or long double, a stable factorisation may lose four
-  /// digits; in 106-bit arithmetic, it may lose more digits.
+  /// Limit of the growth of entries in a stable factorisation. In double or long double, four
+  /// digits may be lost; in 106-bit arithmetic, twelve.
   static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
 
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {
@@ -101,7 +101,7 @@ class SkylineLdlt {
 
   std::vector<std::size_t> first_;  // first stored column of each row
   std::vector<std::size_t> start_;  // start of each row
-  Real growth_ = 0;                 // largest update of a diagonal entry, relative to the entry
+  Real growth_ = 0;                 // largest update of a diagonal entry, divided by the entry
   std::vector<Real> k_, m_, l_;     // the skylines of K, M, and of L with D on the diagonal
 };
 

@@ -13,7 +13,7 @@ namespace wheeltap::fem {
 
 /// Computes the rigid motions that the supports do not prevent, mass-normalised, one per column.
 /// The motions follow exactly from the geometry, and not from the null space of the rounded matrix
-/// K. Rows are all degrees of freedom of the mesh.
+/// K. The rows are all degrees of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
@@ -45,7 +45,7 @@ class WidePencil {
   /// if the iteration does not converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// Returns the share of rigid-body motions in q, in the norm of M, from 0 to 1.
+  /// Returns the share of rigid-body motions in q, from 0 to 1, measured in the norm of M.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
   /// Returns u = T q, the motion of all degrees of freedom of the mesh.

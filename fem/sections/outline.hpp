@@ -27,13 +27,13 @@ struct Region {
   double density = 1.0;  ///< [kg/m³]
 };
 
-/// An outline of regions that do not overlap. Two regions that touch are joined along their common
+/// An outline of regions that do not overlap. Two regions that touch are bonded along their common
 /// boundary.
 struct Outline {
   std::vector<Region> regions;
 };
 
-/// Tolerance of distances, relative to the size of the section. Two corners with a distance below
+/// Tolerance of distances, divided by the size of the section. Two corners with a distance below
 /// this tolerance count as one corner. A corner whose distance from an edge of another region is
 /// below this tolerance lies on the edge.
 inline constexpr double kSameCorner = 1e-9;
@@ -47,7 +47,7 @@ struct OutlinePlace {
   std::size_t region = 0;
   Part part = Part::region;
   std::size_t hole = 0;                    ///< index, for Part::hole
-  std::optional<std::size_t> corner = {};  ///< index in the ring, if the fault is at one corner
+  std::optional<std::size_t> corner = {};  ///< index of the faulty corner in the ring, if any
 };
 
 /// The error for an invalid outline: "regions[0].holes[1][4]: (nan, 0): must be finite". Indices
@@ -56,7 +56,7 @@ struct OutlineError : std::invalid_argument {
   OutlineError(const OutlinePlace& where, const std::string& name, const std::string& why)
       : std::invalid_argument(name + ": " + why), place(where), reason(why) {}
   OutlinePlace place;
-  std::string reason;  ///< reason without the faulty part
+  std::string reason;  ///< message without the name of the faulty part
 };
 
 /// Checks an outline and returns it without repeated corners, with outer rings counter-clockwise
@@ -83,12 +83,12 @@ struct OutlineError : std::invalid_argument {
 
 /// Computes the corners of an arc from `from` (inclusive) to `to` (exclusive) over the angle `turn`
 /// [rad], in steps of at most 2π / `per_turn`. The arc is counter-clockwise for a positive angle.
-/// The corners between the ends lie slightly outside the circle, so that the polygon has exactly
-/// the area of the circular segment. Throws std::invalid_argument for a turn of 0 or beyond 2π.
+/// The corners between the ends lie slightly outside the circle, so that polygon and circular
+/// segment have exactly the same area. Throws std::invalid_argument for a turn of 0 or beyond 2π.
 [[nodiscard]] Ring arc(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double turn,
                        int per_turn = 256);
 
-/// Computes a regular polygon with the area of the circle.
+/// Computes a regular polygon with the same area as the circle.
 [[nodiscard]] Ring circle(const Eigen::Vector2d& centre, double radius, int corners = 256);
 
 }  // namespace wheeltap::fem

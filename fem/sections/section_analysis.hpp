@@ -32,7 +32,7 @@
 
 namespace wheeltap::fem {
 
-/// Second moments about axes through the centroid [m⁴].
+/// Second moments of area about axes through the centroid [m⁴].
 struct SecondMoments {
   double yy;  ///< ∫ e z²: bending about y, deflection along z
   double zz;  ///< ∫ e y²
@@ -54,7 +54,7 @@ struct ShearFlexibility {
 
 /// Section properties, weighted with the moduli relative to E_ref and G_ref = E_ref / (2 (1 +
 /// ν_ref)). The axial stiffness is E_ref · area, the torsional stiffness G_ref · torsion_constant.
-/// For a single material with modulus 1, these are the usual geometric properties.
+/// For a single material with modulus 1, all properties are the usual geometric ones.
 struct SectionProperties {
   double area;               ///< ∫ e [m²]
   double geometric_area;     ///< ∫ 1 [m²]
@@ -64,8 +64,8 @@ struct SectionProperties {
   SecondMoments second_moments;
   double torsion_constant;             ///< J [m⁴]
   double warping_constant;             ///< Γ [m⁶]
-  Eigen::Vector2d shear_centre;        ///< position relative to the centroid, depends on ν [m]
-  Eigen::Vector2d trefftz_centre;      ///< position relative to the centroid, independent of ν [m]
+  Eigen::Vector2d shear_centre;        ///< position from the centroid [m]; depends on ν
+  Eigen::Vector2d trefftz_centre;      ///< position from the centroid [m]; independent of ν
   ShearFlexibility shear_flexibility;  ///< α from the strain energy
 };
 
@@ -75,9 +75,9 @@ struct SectionLevel {
   SectionProperties properties;
 };
 
-/// Relative change of each property at the last mesh refinement. For properties near zero, the
-/// change is relative to a reference value. The reference is 1e-4 (I_yy + I_zz)²/A for Γ, a tenth
-/// of the radius of gyration for a centre, and a twentieth of √(α_yy α_zz) for α_yz. The remaining
+/// Relative change of each property at the last mesh refinement. For a property near zero, the
+/// change is divided by a reference value instead: by 1e-4 (I_yy + I_zz)²/A for Γ, by a tenth of
+/// the radius of gyration for a centre, and by a twentieth of √(α_yy α_zz) for α_yz. The remaining
 /// error is smaller than the change: it is the change divided by 2^p - 1, where p is the order of
 /// convergence (4 for smooth solutions).
 struct SectionErrors {
@@ -95,22 +95,22 @@ struct SectionAnalysis {
 
 struct SectionAnalysisOptions {
   double reference_poisson = 0.3;  ///< ν_ref, which defines G_ref
-  double tolerance = 2e-4;         ///< largest allowed change at the last refinement, > 0
+  double tolerance = 2e-4;         ///< largest relative change at the last refinement, > 0
   int most_nodes = 600'000;        ///< largest number of nodes of a mesh
   int least_levels = 2;            ///< smallest number of meshes, >= 2
 };
 
 /// Computes the section properties on one mesh with quadratic triangles and one Cholesky
 /// factorisation by CHOLMOD. The functions ω and ψ are unique up to a constant, so the value at one
-/// node is set to zero. `regions` has the numbering of mesh.regions. Throws std::invalid_argument
-/// for too few regions or a mesh without area.
+/// node is set to zero. The indices in mesh.regions refer to `regions`. Throws
+/// std::invalid_argument for too few regions or a mesh without area.
 [[nodiscard]] SectionProperties section_properties(const TriangleMesh& mesh,
                                                    std::span<const Region> regions,
                                                    double reference_poisson);
 
 /// Computes the section properties on a sequence of refined meshes, graded towards the corners,
 /// until the properties converge. The refinement stops earlier if a property is not finite, or if
-/// the changes show that further refinements cannot reach the tolerance. Throws the exceptions of
+/// the changes show that the tolerance cannot be reached. Throws the exceptions of
 /// section_properties, and std::invalid_argument for options out of range.
 [[nodiscard]] SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regions,
                                               const SectionAnalysisOptions& options = {});

@@ -9,7 +9,7 @@
 namespace wheeltap::fem {
 
 struct SectionMeshOptions {
-  double coarseness = 0.3;  ///< longest edge relative to √area, > 0
+  double coarseness = 0.3;  ///< longest edge divided by √area, > 0
   double angle = 22.0;  ///< smallest angle of a triangle [degrees], in (0, 30]; sharper corners of
                         ///< the outline remain
   int most_points = 100'000;
@@ -18,14 +18,14 @@ struct SectionMeshOptions {
 /// Meshes a section by Ruppert's Delaunay refinement (1995, J. Algorithms 18:548) with exact
 /// predicates. The algorithm halves edges until their diametral circles contain no corner of an
 /// adjacent triangle, and inserts the circumcentres of triangles with too small angles or too long
-/// edges. The algorithm considers only the interior, so the two faces of a slit do not cause
-/// refinement of each other. Edges at a sharp corner are split at distances from the corner that
-/// are powers of two, so that the refinement terminates.
+/// edges. The algorithm considers only the interior, so that one face of a slit does not refine the
+/// other. Edges at a sharp corner are split at distances from the corner that are powers of two, so
+/// that the refinement terminates.
 ///
 /// Checks the outline with `checked` first. Throws std::invalid_argument in the same cases as
 /// `checked`, for options out of range, a section of several unconnected parts, a region that is
 /// negligibly small compared with the others, and an outline whose mesh would have more than
-/// `most_points`.
+/// `most_points` points.
 [[nodiscard]] TriangleMesh section_mesh(const Outline& outline,
                                         const SectionMeshOptions& options = {});
 

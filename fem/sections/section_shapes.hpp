@@ -1,4 +1,4 @@
-// Cross-sections that are defined by their dimensions, and formulas for their section properties.
+// Cross-sections that are given by their dimensions, and formulas for their properties.
 //
 // To add a shape, add a line to the list in section_shapes.cpp.
 #pragma once

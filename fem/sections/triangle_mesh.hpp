@@ -1,4 +1,4 @@
-// Triangle meshes in the plane, with refinement towards corners with singular gradients.
+// Triangle meshes in the plane, with refinement towards corners at which gradients are singular.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ struct TriangleMesh {
 struct EdgeNumbers {
   std::vector<std::array<int, 3>> of_triangle;  ///< edge i lies opposite corner i
   std::vector<std::array<int, 2>> ends;         ///< point numbers, the smaller first
-  std::vector<std::array<int, 2>> triangles;    ///< triangles on both sides of the edge; -1 for no
-                                                ///< triangle
+  std::vector<std::array<int, 2>> triangles;    ///< triangles on both sides of the edge; -1 if
+                                                ///< there is none
 };
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
@@ -30,15 +30,15 @@ struct EdgeNumbers {
 /// interfaces. At these corners, the solution behaves as r^λ, λ = π / angle. With quadratic
 /// elements, energies keep the order of convergence h⁴ if the shares are at most 2^(-2/λ) (Babuška,
 /// Kellogg & Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends
-/// on the moduli. There, the share is that for λ = ½, the smallest possible value.
+/// on the moduli. At these points, the share is that for the smallest possible value, λ = ½.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four triangles. Existing points keep their numbers; `shares` gets the
 /// entry ½ for each new point. An edge between two points with shares below ½ is halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
-/// Adds `rings` rings of smaller triangles around each point with a share below ½. Each ring has a
-/// third of the size of the next outer ring. Existing points keep their numbers; `shares` gets the
+/// Adds `rings` rings of smaller triangles around each point with a share below ½. Each ring is a
+/// third as large as the ring around it. Existing points keep their numbers; `shares` gets the
 /// entry ½ for each new point.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 

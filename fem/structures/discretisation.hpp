@@ -32,7 +32,7 @@ struct Strain {
   double factor = 1.0;
 };
 
-/// The name of a degree of freedom, for messages and sensors.
+/// The name of a degree of freedom, as messages and sensors use it.
 struct DofName {
   std::string place;  ///< a node, or a location on a member
   std::string direction;
@@ -48,7 +48,7 @@ struct Discretisation {
   std::vector<Strain> strains;     ///< the rows of B
   Sparse rest;                     ///< K_rest, n × n: the part of K that is given as a matrix; may
                                    ///< be empty
-  std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if the summands are not
+  std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if they are not
                                    ///< distinguished
   Sparse stiffness;                ///< K, n × n, both triangles
   Sparse mass;                     ///< M, n × n, positive semidefinite
@@ -65,7 +65,7 @@ struct Discretisation {
   /// Computes Vᵀ K V from the strains of the columns of V.
   [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
   /// Computes the energy with the absolute values of all terms of each strain, so that no terms
-  /// cancel. Rounding errors of `energy` are relative to this value.
+  /// cancel. Rounding errors of `energy` are proportional to this value.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

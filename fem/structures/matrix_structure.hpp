@@ -1,4 +1,4 @@
-// A structure that is given by the matrices of another program.
+// A structure that is given by stiffness and mass matrices from another program.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ struct MatrixStructure {
 };
 
 /// Checks the matrices. Throws InvalidStructure (part `masses` for M, `members` for K_j) if a
-/// matrix is not square, has another size than the others, is not finite, or is not symmetric to
+/// matrix is not square, differs in size from the others, is not finite, or is not symmetric within
 /// 1e-8 of its largest entry. Also throws InvalidStructure if α <= -1.
 void validate(const MatrixStructure& structure);
 

@@ -4,9 +4,9 @@
 //
 // (K + ε D) v ← D v, D = diag K (1 for zero entries), ε = 1e-11,
 //
-// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step then separates zero
-// stiffness from small stiffness. This step uses the strain energies, which are sums of squares
-// without cancellation.
+// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step then separates motions of
+// zero stiffness from those of small stiffness. This step uses the strain energies, which are sums
+// of squares without cancellation.
 #pragma once
 
 #include <string>
@@ -16,14 +16,14 @@
 
 namespace wheeltap::fem {
 
-/// Computes a basis of the motions of the mechanisms. Each motion is scaled to a largest entry of
-/// 1, and has an entry of 1 at a degree of freedom where all other motions of the basis are 0. The
-/// list is empty if K resists all motions except rigid motions.
+/// Computes a basis of the motions of the mechanisms. Each motion has a largest entry of 1, and an
+/// entry of 1 at a degree of freedom where all other motions of the basis are 0. The list is empty
+/// if K resists all motions except rigid motions.
 [[nodiscard]] std::vector<Eigen::VectorXd> mechanisms(const Discretisation& d);
 
-/// Returns the limit for strain-free motions: the largest ratio of `energy` to
-/// `uncancelled_energy`. The limit is larger if K is given as a matrix, because the entries of this
-/// matrix have rounding errors.
+/// Returns the largest ratio of `energy` to `uncancelled_energy` at which a motion counts as
+/// strain-free. The limit is larger if K is given as a matrix, because the entries of this matrix
+/// have rounding errors.
 [[nodiscard]] double no_strain(const Discretisation& d);
 
 /// Names the degrees of freedom with the largest motion: "n2, y", "B, x and C, x". Translations

@@ -9,7 +9,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// Sums of rows.
+/// A weighted sum of rows.
 class RowSum {
  public:
   void add(double factor, const SparseRow& row) {

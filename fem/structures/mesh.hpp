@@ -10,14 +10,14 @@
 
 namespace wheeltap::fem {
 
-/// The strains of one element of a member. The strains belong to the axial force, the torque, and
-/// in each plane a constant moment and a constant shear force. An element of a plane structure has
-/// three strains, an element of a spatial structure six.
+/// The strains of one element of a member: one for the axial force, one for the torque, and in each
+/// plane one for a constant moment and one for a constant shear force. An element of a plane
+/// structure has three strains, an element of a spatial structure six.
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Returns the flexural properties of an element of this length. If `along_z` is true, they are for
-/// a deflection along z with bending about y; otherwise, along y with bending about z.
+/// Returns the flexural properties of an element of this length: for a deflection along z with
+/// bending about y if `along_z` is true, otherwise for a deflection along y with bending about z.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 

@@ -8,8 +8,8 @@
 
 namespace wheeltap::fem {
 
-/// An isometry of the plane or of space that maps nodes to nodes and members to members. Only the
-/// geometry is compared. Natural frequencies show whether stiffness and mass are also symmetric.
+/// An isometry of the plane or of space that maps nodes to nodes and members to members. It depends
+/// only on the geometry. Natural frequencies show whether stiffness and mass are symmetric, too.
 struct SelfMap {
   std::vector<int> node;       ///< image of node i
   std::vector<int> member;     ///< image of member i; for a chain, of link i
@@ -18,7 +18,7 @@ struct SelfMap {
 
 /// Finds all self-maps of a structure except the identity; the list contains the inverse of each
 /// map. The search compares distances from the centroid of the nodes and from one to three
-/// reference nodes, with a tolerance of 1e-6 of the structure's size. The list is empty if the
+/// reference nodes, within a tolerance of 1e-6 times the structure's size. The list is empty if the
 /// structure has more than `kMostMappedNodes` nodes (no search) or more than `kMostSelfMaps` maps.
 [[nodiscard]] std::vector<SelfMap> self_maps(const Structure& structure);
 /// Returns the map that reverses the order of the masses and links of a chain, if this map maps

@@ -67,8 +67,8 @@ struct Member {
 
   std::string name;
   std::array<int, 2> nodes = {};  ///< indices of `Structure::nodes`
-  int elements = 1;  ///< number of elements of equal length; the ends of segments are element
-                     ///< boundaries, too
+  int elements = 1;  ///< number of elements of equal length; ends of segments are additional
+                     ///< boundaries
   std::vector<Piece> pieces = {};  ///< at least one segment
   /// For structures in space: the z axis of the section is the component of `up` normal to the
   /// member. `up` = 0 means global z, or global y if the member is parallel to z.
@@ -94,7 +94,7 @@ struct NodeMass {
 };
 
 /// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround). The spring
-/// acts along the line between the nodes, or on the difference of one motion.
+/// acts along the line between the nodes, or on the difference of their motions in one direction.
 struct NodeSpring {
   static constexpr int kGround = -1;
   static constexpr int kAlong = -1;
@@ -109,7 +109,7 @@ struct NodeSpring {
 struct Structure {
   enum class Mass {
     consistent,  ///< ρA and ρI integrated with the shape functions
-    lumped       ///< half of ρA l at each end of an element; no rotary inertia
+    lumped       ///< mass ρA l / 2 at each end of an element; no rotary inertia
   };
 
   int dimension = 2;  ///< 2: x, y; 3: x, y, z
@@ -123,7 +123,7 @@ struct Structure {
   bool axial = true;           ///< for plane structures: true allows motion along x
 };
 
-/// The error for an invalid structure: the faulty part and the fault.
+/// Thrown for an invalid structure; holds the faulty part and the fault.
 class InvalidStructure : public std::invalid_argument {
  public:
   enum class Part { whole, nodes, members, supports, masses, springs };

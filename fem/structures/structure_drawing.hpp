@@ -34,8 +34,8 @@ struct StructureDrawing {
   std::vector<DofName> names;           ///< one per degree of freedom
 };
 
-/// The matrices and the drawing of a structure. A structure that is given as matrices has degrees
-/// of freedom with names but without positions, and no drawing. A chain of masses is drawn as a
+/// The matrices and the drawing of a structure. The degrees of freedom of a structure given by
+/// matrices have names but no positions; it has no drawing. A chain of masses is drawn as a
 /// vertical line, with a distance of one metre between masses; the masses move along x.
 struct DrawnStructure {
   Discretisation discretisation;
@@ -47,7 +47,7 @@ struct DrawnStructure {
 [[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
 
 /// Computes the displacement of every point in a mode shape, scaled to a largest displacement of 1.
-/// All displacements are 0 for a shape of zeros.
+/// If the shape is zero, all displacements are 0.
 [[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
                                                  const Eigen::VectorXd& shape);
 

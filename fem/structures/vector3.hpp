@@ -1,4 +1,4 @@
-// Vectors in space as plain arrays. Internal to the structures.
+// Three-dimensional vectors as plain arrays. Internal to fem/structures/.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 
 namespace wheeltap::identification {
 
-/// The emulator section of a case: a design, or a file that holds a trained emulator.
+/// The emulator section of a case: a design of training runs, or a file with a trained emulator.
 struct EmulatorSpec {
   enum class Runs { grid, latin_hypercube, sobol, csv };
 
@@ -23,12 +23,12 @@ struct EmulatorSpec {
       /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
       /// also applies to all further damages.
       sites;
-  /// Increasing levels of the reduction. For scattered runs: range of the reduction, or empty
+  /// Levels of the reduction, ascending; for scattered runs, two limits (empty: those of the prior)
   std::vector<double> reductions;
-  bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
-  std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
+  bool compliance = false;         ///< interpolate over 1/(1-r) instead of the reduction r
+  std::optional<double> accuracy;  ///< relative error of a frequency at which grid refinement ends
   std::optional<emulator::Additive>
-      /// Quantity in which ANOVA adds the effects of damages; empty: no ANOVA, one table per count
+      /// Quantity in which ANOVA adds the effects of damages; empty: one table per damage count
       anova;
   std::vector<int>
       /// For scattered designs: entry i is the number of runs for i + 1 damages. The last
@@ -41,7 +41,7 @@ struct EmulatorSpec {
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
   int holdout = 1000;  ///< number of holdout FE runs that measure the error
 
-  /// Number of tables for up to `max_count` damages: one per count, or at most two with ANOVA.
+  /// Number of tables for 1 to `max_count` damages: one per number; with ANOVA, at most two.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 

@@ -14,7 +14,7 @@
 
 namespace wheeltap::identification {
 
-/// Fingerprint of a beam from its geometry, mesh, supports, material and section.
+/// Hash value that identifies a beam by its geometry, mesh, supports, material and section.
 [[nodiscard]] std::string beam_fingerprint(const fem::Beam& beam);
 
 /// Name of the table for `count` damages within a file, for example "count_1".
@@ -24,7 +24,7 @@ namespace wheeltap::identification {
 /// …. Responses: elastic frequencies [Hz]. Attribute "interpolation": name of the interpolant.
 struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< table i is for i + 1 damages
-  /// Entry i is for i + 1 damages. With ANOVA, there are more entries than tables
+  /// Entry i is for i + 1 damages. With ANOVA, it has more entries than `tables`
   std::vector<EmulatorError> errors;
   bool symmetrised = false;  ///< predictions are means over damages and their mirror images
   /// The quantity in which the effects of more than two damages are added. If it is set, the table
@@ -33,7 +33,7 @@ struct FrequencyTables {
 };
 
 /// Reads the tables for up to `max_count` damages from a file that was computed for this beam.
-/// Throws io::FileError; throws std::invalid_argument if the file has too few counts or modes.
+/// Throws io::FileError; throws std::invalid_argument if the file has too few tables or modes.
 [[nodiscard]] FrequencyTables read_frequency_tables(const std::filesystem::path& path,
                                                     const fem::Beam& beam, int max_count,
                                                     int modes);
@@ -43,7 +43,7 @@ struct FrequencyTables {
 void write_frequency_tables(const std::filesystem::path& path, const fem::Beam& beam,
                             FrequencyTables tables, std::map<std::string, std::string> attributes);
 
-/// Intact frequencies [Hz] stored in a table with ANOVA.
+/// Intact frequencies [Hz] that a table for ANOVA contains.
 [[nodiscard]] std::vector<double> intact_frequencies(const emulator::Table& pair);
 void keep_intact_frequencies(emulator::Table& pair, std::span<const double> frequencies_hz);
 

@@ -12,8 +12,8 @@ namespace wheeltap::identification {
 
 using InterpolantTypes = std::span<const emulator::InterpolantType* const>;
 
-/// All types of interpolants. The list includes Delaunay interpolation even if the library CGAL was
-/// not built; the training then throws std::invalid_argument.
+/// All types of interpolants. The list includes Delaunay interpolation even if Wheeltap was built
+/// without CGAL; training then throws std::invalid_argument.
 [[nodiscard]] InterpolantTypes interpolant_types();
 
 /// The type of the interpolant with this name, or nullptr if there is no such interpolant.

@@ -1,4 +1,4 @@
-// An emulator of an external model over a box in the space of the unknowns.
+// An emulator of an external model in a training domain: a box in the space of the unknowns.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace wheeltap::identification {
 struct OutsideEmulatorSpec {
   int runs = 0;        ///< training runs; 0: 20 per unknown, at least 40
   int holdout = 0;     ///< holdout runs that measure the error; 0: a quarter of `runs`, at least 10
-  bool sobol = false;  ///< Sobol points instead of a Latin hypercube
+  bool sobol = false;  ///< true: Sobol points; false: Latin hypercube
   bool emulator_error = true;  ///< add the measured emulator error to the noise
   std::uint64_t seed = 1;      ///< seed of the training design and of the holdout design
 
@@ -25,21 +25,21 @@ struct OutsideEmulatorSpec {
   [[nodiscard]] int holdout_for(int unknowns) const;
 };
 
-/// One Gaussian process per response. The box ends at the bounds of each prior's support. Where the
-/// support is unbounded, the box ends at the quantiles z = ±4. Positive unknowns whose range covers
-/// more than a decade are used as logarithms. The error variance is the process variance times a
+/// One Gaussian process per response. The training domain is a box between the bounds of each prior
+/// (for infinite bounds: the prior quantiles at z = ±4). A positive unknown with a range of more
+/// than a decade is replaced by its logarithm. The error variance is the process variance times a
 /// factor >= 1 that is calibrated on the holdout runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
-  /// Runs the model at the points of the training design and of the holdout design, on `threads`
-  /// threads. Throws OutsideModelError; throws std::invalid_argument if a prior has zero width.
+  /// Runs the model on `threads` threads at the points of the training design and the holdout
+  /// design. Throws OutsideModelError; throws std::invalid_argument if a prior has zero width.
   OutsideEmulator(OutsideModel& model, const std::vector<inference::Parameter>& unknowns,
                   const OutsideEmulatorSpec& spec, int threads,
                   const std::function<void(double)>& progress = {});
 
   [[nodiscard]] bool contains(std::span<const double> x) const { return process_->contains(x); }
-  /// Computes all responses and their error variances (0 if the case disables them) for x in the
-  /// box.
+  /// Computes all responses at x, a point in the box, and their error variances (0 if the case
+  /// disables them).
   void evaluate(std::span<const double> x, std::span<double> out, std::span<double> variance) const;
 
   [[nodiscard]] const EmulatorError& error() const { return error_; }

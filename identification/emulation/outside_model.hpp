@@ -8,12 +8,12 @@
 
 namespace wheeltap::identification {
 
-/// Thrown if all retries of an external model fail: no answer, or an answer in a wrong form.
+/// Thrown if all retries of an external model fail: without a response, or with a malformed one.
 class OutsideModelError : public std::runtime_error {
  public:
   enum class Kind {
     unreachable,  ///< the program or server does not exist or has stopped
-    bad_answer    ///< the answer does not have the required form
+    bad_answer    ///< the response does not have the required format
   };
   OutsideModelError(Kind kind, const std::string& line) : std::runtime_error(line), kind_(kind) {}
   [[nodiscard]] Kind kind() const { return kind_; }
@@ -31,8 +31,8 @@ class OutsideModel {
   [[nodiscard]] virtual int outputs() const = 0;
   /// Computes all entries of y, which must be finite. Throws OutsideModelError.
   virtual void evaluate(std::span<const double> x, std::span<double> y) = 0;
-  /// Optional: writes Σ_i sensitivity_i ∂y_i/∂x_j into slope_j. Returns false if the model has no
-  /// derivatives. Throws OutsideModelError.
+  /// Optional: writes Σ_i sensitivity_i ∂y_i/∂x_j into slope_j. Returns false if the model provides
+  /// no derivatives. Throws OutsideModelError.
   virtual bool gradient(std::span<const double> /*x*/, std::span<const double> /*sensitivity*/,
                         std::span<double> /*slope*/) {
     return false;

@@ -1,4 +1,4 @@
-// A cache for an expensive external model, within a run and between runs.
+// A cache for the results of an expensive external model, within a run and between runs.
 #pragma once
 
 #include <atomic>
@@ -13,9 +13,9 @@
 
 namespace wheeltap::identification {
 
-/// Evaluates another model only at inputs for which the result is not stored. Each result is stored
+/// Evaluates an external model only at inputs for which no result is stored. Each result is stored
 /// in memory and immediately in a journal file. After the first failure of the model, no thread
-/// calls it again. Gradients are not cached.
+/// evaluates the model again. Gradients are not cached.
 class RememberedModel final : public OutsideModel {
  public:
   /// Reads the stored results from the file `journal`; an empty path disables the journal.
@@ -26,8 +26,8 @@ class RememberedModel final : public OutsideModel {
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws io::FileError and the exceptions of the model. The message of a model exception also
-  /// states the number of stored results.
+  /// Throws io::FileError and the exceptions of the model; adds the number of stored results to the
+  /// messages of the latter.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;

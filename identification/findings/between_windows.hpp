@@ -1,4 +1,4 @@
-// One parameter, estimated from each window of a record separately.
+// Separate estimates of one parameter from each window of a record.
 #pragma once
 
 #include <optional>
@@ -15,19 +15,19 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Prediction of the parameter in another window of equal length, from a record not used here.
+  /// Predictive distribution of the parameter in another window of equal length (not fitted).
   Interval next;
-  /// Estimate of the limit that a fit of the whole record approaches as the record becomes longer.
-  /// The mean is the best estimate from this record; the standard deviation is its standard error,
-  /// computed from the scores of the windows. `whole` is empty if the posterior of the whole record
-  /// has no normal approximation.
+  /// Estimate of the parameter value that a fit of the whole record approaches as the record
+  /// becomes longer. The mean is the best estimate from this record; the sd is its standard error,
+  /// computed from the score functions of the windows. `whole` is empty if the posterior of the
+  /// whole record has no normal approximation.
   std::optional<Interval> whole = {};
   /// Birge ratio: the standard deviation of the estimates between windows, divided by the posterior
   /// standard deviations within windows; with its p-value.
   inference::BirgeRatio scatter;
   /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run
-  /// assumes that the residuals follow the likelihood. This interval is then too narrow for the
-  /// variability between windows.
+  /// assumes that the residuals follow the likelihood. If scatters() is true, it is too narrow for
+  /// the variability between windows.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit
   /// failed.

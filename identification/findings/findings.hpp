@@ -1,5 +1,5 @@
 // Results common to all kinds of runs: models, parameters, evidences and the reliability of the
-// draws. Terminal text, summary and report contain these results.
+// draws. Wheeltap shows these results in the terminal, the summary and the report.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@
 
 namespace wheeltap::identification {
 
-/// A parameter of a model, identified by its position in the model.
+/// A parameter of a model, identified by its kind, component and index.
 struct Unknown {
   std::string name;  ///< name of the parameter: "location", "k"
-  /// Label, for example "location[1]"; begins with the kind's name if two kinds share it
+  /// Label, for example "location[1]"; begins with the kind's name if two kinds share the label
   std::string label;
   /// Kind of the component with this parameter; -1: a parameter of the model itself
   int kind = -1;
@@ -36,7 +36,7 @@ struct Unknown {
   }
 };
 
-/// Parameters of a model in the order of its parameter vector.
+/// The unknowns of a model, in the order of its parameter vector.
 [[nodiscard]] std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model);
 
 struct ParameterFinding {
@@ -62,42 +62,42 @@ struct ModelFinding {
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
-  /// The marginal of a component's parameter; nullptr if the model lacks it.
+  /// The marginal of a component's parameter; nullptr if the model does not have it.
   [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
-  /// The marginal of a parameter of the model itself, by name; nullptr if the model lacks it.
+  /// The marginal of a parameter of the model itself; nullptr if no parameter has this name.
   [[nodiscard]] const Marginal* find(const std::string& name) const;
 };
 
 /// Name of an evidence method: "tmcmc", "bridge", "laplace".
 [[nodiscard]] std::string method_name(EvidenceMethod method);
 
-/// Evidences by one method, one per model. If the method failed for a model, its evidence is NaN
+/// The evidence of each model by one method. If the method failed for a model, the evidence is NaN
 /// with a warning that gives the reason, because a failure must not stop a finished run.
 struct MethodEvidence {
   EvidenceMethod method;
   std::vector<inference::Evidence> evidences;
 };
 
-/// Computes the evidence of every model by every method. Once `stopped` returns true, the result
-/// contains only the completed methods.
+/// Computes the evidence of every model by every requested method. If `stopped` returns true, the
+/// function ends; its result contains the completed methods only.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
     std::uint64_t seed, int threads, const std::function<bool()>& stopped = {});
 
-/// The evidences of one method and the model probabilities that they imply.
+/// The evidences by one method, and the model probabilities that follow from them.
 struct EvidenceFinding {
   EvidenceMethod method;
   std::vector<inference::Evidence> evidences;  ///< evidence of each model
   inference::ImpliedProbabilities implied;
 };
 
-/// The sampling record and the convergence diagnosis. `full_evaluations` counts evaluations of the
+/// Record of the sampling, and convergence diagnosis. `full_evaluations` counts evaluations of the
 /// full likelihood, which may use an emulator. Without an approximate likelihood,
 /// `full_evaluations` equals `likelihood_evaluations`.
 struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
-  /// Round trips of the Markov chains between the lowest and the highest number of components
+  /// Number of round trips of Markov chains between the lowest and highest number of components
   long count_round_trips = 0;
   bool balanced = false;
   int chains = 0;
@@ -117,8 +117,8 @@ struct Findings {
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// Up to this number of models, every model is reported in full. In a longer list, only models
-/// with a probability of at least kWorthFull are reported in full.
+/// If a run has at most this number of models, every model is reported in full. Otherwise, only
+/// models with a probability of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);

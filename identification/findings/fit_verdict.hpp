@@ -12,30 +12,30 @@ namespace wheeltap::identification {
 
 namespace misfit {
 
-/// Reason of a misfit: a response has R² below 1/2, and its residual is not noise.
+/// Reason for a misfit: R² of a response is below 1/2, and the residual is not noise.
 struct Unexplained {
   std::string channel;
   double r2;
 };
-/// Reason of a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
-/// the stated noise (predictive p). The residual is also not small: it exceeds `kSmallResidual`
-/// times the response's RMS, or three times the residual of a chain of masses with free cubic
+/// Reason for a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
+/// the stated noise (predictive p). Its RMS is also not small: it exceeds `kSmallResidual` times
+/// the RMS of the response, or three times the residual of a chain of masses with free cubic
 /// springs.
 struct NotNoise {
   std::string channel;
   double share;          ///< RMS of the residual divided by RMS of the response
-  double share_of_free;  ///< RMS ratio for free cubic springs; NaN if not computed
+  double share_of_free;  ///< the same ratio with free cubic springs; NaN if not computed
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
 };
-/// Reason of a misfit: the prediction error after the window is more than twice the error within
-/// the window.
+/// Reason for a misfit: the RMS prediction error after the window is more than twice the RMS error
+/// within the window.
 struct WorseBeyond {
   std::string channel;
-  double inside, beyond;  ///< RMS of residual divided by RMS of response
+  double inside, beyond;  ///< RMS of the residual divided by RMS of the response
   int samples;            ///< number of predicted samples after the window
 };
-/// Reason of a misfit: predicted and measured frequencies differ by more than the stated noise
+/// Reason for a misfit: predicted and measured frequencies differ by more than the stated noise
 /// allows.
 struct BeyondNoise {
   double p;                ///< posterior predictive p
@@ -45,35 +45,35 @@ struct BeyondNoise {
   /// may then have missed damages that explain the frequencies.
   bool chains_agree = true;
 };
-/// Reason of a misfit: predicted and measured frequencies differ by less than the stated noise
+/// Reason for a misfit: predicted and measured frequencies differ by less than the stated noise
 /// implies.
 struct WithinNoise {
   double p;   ///< posterior predictive p
-  double cv;  ///< stated coefficient of variation; NaN if it differs between modes
+  double cv;  ///< stated noise: sd divided by frequency; NaN if it differs between modes
 };
 
 using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, WithinNoise>;
 
 }  // namespace misfit
 
-/// Limit of posterior predictive p and portmanteau p-values. Smaller values reject a model.
+/// Significance level of posterior predictive and portmanteau tests. Smaller p reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Upper limit of a small residual, divided by the response. The text of the report mentions
-/// smaller residuals that are not noise; its heading does not.
+/// Largest RMS of a small residual, divided by the RMS of the response. The text of the report
+/// mentions a small residual that is not noise; its heading does not.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of a residual, divided by the residual of a chain of masses with free cubic springs.
+/// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
 /// Diagnosis of the most probable model that explains the data and has a probability of at least 5
-/// %. If there is no such model: diagnosis of the most probable model.
+/// %. If no model does, this is the diagnosis of the most probable model.
 struct FitVerdict {
   /// Diagnosed model; -1: no model was diagnosed
   int model = -1;
   double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest R² of the responses
-  /// Posterior predictive p of χ²: P(replicate > data).
+  /// Posterior predictive p-value: P(χ² of replicated data > χ² of the data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  /// The most probable model, if only the less probable `model` explains the data
+  /// The most probable model, if it does not explain the data but the less probable `model` does
   int instead_of = -1;
   std::vector<misfit::Reason> why_not = {};  ///< reasons why `instead_of` does not explain the data
 

@@ -1,4 +1,4 @@
-// Summary of the draws of one quantity: mean, standard deviation, quantiles and their accuracy.
+// Summary of the draws of one quantity: mean, standard deviation, quantiles and their errors.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct Marginal {
   double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
   double q50 = 0.0;
   double q97_5 = 0.0;
-  /// Midpoint of the histogram bin with most draws; bin width by Freedman & Diaconis (1981)
+  /// Midpoint of the histogram bin with the most draws; bin width by Freedman & Diaconis (1981)
   double mode = 0.0;
   double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
 
@@ -37,8 +37,8 @@ struct Marginal {
 /// weights are equal.
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
-/// Weight of the draws of each model; the average over all draws is 1. The weights differ only for
-/// balanced models (Posterior::log_weight). Averages over models must use the weights.
+/// The weight that each draw of a model has; the average over all draws is 1. The weights differ
+/// only for balanced models (Posterior::log_weight). Averages over models must use the weights.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
 /// The weight of every draw; empty if all weights are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);

@@ -1,10 +1,10 @@
 // Posteriors that pile up at a bound of their prior.
 //
-// Test statistic: the 2.5 % quantile of the draws' distances to the bound, divided by the 97.5
-// % quantile. For a posterior N(m, s²) truncated by a bound at m - c s, the statistic is 0.014
-// for c = 0, 0.028 for c = 1 and 0.083 for c = 2. The statistic increases with the distance
-// from the bound. A narrow posterior near a bound of a wide prior therefore does not count as
-// piled up there.
+// Test statistic: the 2.5 % quantile of the draws' distances to the bound, divided by the 97.5 %
+// quantile. For a posterior N(m, s²) truncated by a bound at m - c s, the statistic is 0.014 for c
+// = 0, 0.028 for c = 1 and 0.083 for c = 2. The statistic increases with the distance from the
+// bound. A narrow posterior near a bound of a wide prior therefore does not count as piling up
+// there.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Draws of the prior, used to judge whether a case is plausible.
+// Prior draws, with which the program checks whether a case is plausible.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct PriorRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void take(double x) { low = std::min(low, x), high = std::max(high, x); }
-  /// The value in the range that is nearest to x > 0 on a logarithmic scale.
+  /// The value in the range that is nearest to x, for x > 0.
   [[nodiscard]] double nearest(double x) const { return std::clamp(x, low, high); }
 };
 

@@ -32,8 +32,8 @@ struct EvidenceFailed {
   std::string model;
   inference::EvidenceWarning why;
 };
-/// Two probabilities of a model differ by more than 3 combined standard errors: the one from a
-/// method's evidences and the one from the draws.
+/// The probability of a model from a method's evidences and its probability from the draws differ
+/// by more than 3 combined standard errors.
 struct EvidenceDisagrees {
   EvidenceMethod method;
   std::string model;
@@ -51,7 +51,7 @@ struct NearlyPrior {
 
 // ---- structures ---------------------------------------------------------------------------
 
-/// A material property outside the range of real materials. The number is probably in another unit.
+/// A material property outside the range of real materials. Its unit is probably wrong.
 struct ImplausibleMaterial {
   enum class Property { young, density, speed_of_sound };
 
@@ -61,7 +61,7 @@ struct ImplausibleMaterial {
   std::string unit = {};          ///< unit in which the number would be plausible; empty: none
   double converted = 0.0;         ///< the number interpreted in `unit`, converted to SI units
 };
-/// A section whose depth exceeds the length of the beam, or far exceeds the length of the member.
+/// A section whose depth exceeds the beam's length, or three times the member's length.
 struct DeepSection {
   std::string of;
   double height, length;  ///< [m]
@@ -81,7 +81,7 @@ struct CrossingMembers {
     /// True if the intersection is inside at least one member. False if two nodes coincide.
     bool between;
   };
-  std::vector<Pair> pairs = {};  ///< the first pairs
+  std::vector<Pair> pairs = {};  ///< the first intersecting pairs
   int count = 0;                 ///< number of intersecting pairs
   int dimension = 3;
 };
@@ -96,27 +96,27 @@ struct SensorsAtOnePlace {
 
 // ---- damages ------------------------------------------------------------------------------
 
-/// Measured frequencies outside the range of damages drawn from the prior. `ratio` is the
-/// measured frequency divided by the nearest predicted frequency (median over the modes).
+/// Measured frequencies outside the range predicted for prior draws. `ratio` is the measured
+/// frequency divided by the nearest predicted frequency: the median over modes outside their range.
 struct FrequenciesOutOfReach {
   double ratio;
   /// Measured frequency of mode `mode`, and its predicted range [Hz]
   double measured, lowest, highest;
   int mode;  ///< first mode outside its range, numbered from 1
 };
-/// The stated noise of every frequency exceeds the frequency shift of any damage in the prior.
-/// `effect` is the largest shift.
+/// The stated noise of every frequency exceeds twice the range of its predictions for prior draws.
+/// `effect` is the largest ratio of range to noise.
 struct NoiseHidesDamage {
-  /// Noise and largest `effect` (relative to the noise) of the most sensitive mode
+  /// Coefficient of variation of the noise; largest ratio of a range to the noise of its mode
   double cv, effect;
 };
 
-/// The exact probabilities of a damage and its mirror image are equal. Only the error of an
-/// emulator can make them differ.
+/// A damage and its mirror image have equal exact probabilities. Only the error of an emulator can
+/// make the computed ones differ.
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is symmetric. The lists name the groups of equivalent parts, and the structural
+/// The structure is symmetric. `alike` names the groups of equivalent parts; `turned` names the
 /// members whose two ends a symmetry exchanges.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
@@ -132,7 +132,7 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
-/// A model has at least as many unknowns as data, and no simpler model has a notable probability.
+/// A model has at least as many unknowns as data, and no simpler model is notably probable.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
@@ -145,7 +145,7 @@ struct Landmark {
   std::string name;  ///< name of the kind of defect
 };
 /// A model with at least as many unknowns as data. The data can neither confirm nor exclude this
-/// model. `hidden`: possible locations of a further defect of each kind.
+/// model. `hidden` gives possible locations of a further defect of each kind.
 struct CannotExclude {
   struct Hidden {
     std::string kind;
@@ -158,7 +158,7 @@ struct CannotExclude {
   std::vector<Hidden> hidden;
 };
 /// The posterior predictive p is below 0.005, although FitVerdict counts the data as explained.
-/// `off`: modes (from 1) whose frequencies deviate by more than 3 sd.
+/// `off` lists the modes (from 1) whose frequencies deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
@@ -167,12 +167,12 @@ struct NoModelFits {
 struct NeighbouringDamages {
   int kind;  ///< index of the kind of defect in the case
 };
-/// The largest allowed count has a probability of one half or more.
+/// The largest allowed number of defects has a probability of one half or more.
 struct LargestCount {
   int kind;  ///< index of the kind of defect in the case
   double probability;
 };
-/// At least a quarter of the severity draws of a kind lie in the prior's upper 2.3 %.
+/// At least a quarter of the severity draws of a defect kind lie in the prior's upper 2.3 %.
 struct SeverityAtBound {
   int kind;
 };
@@ -181,12 +181,12 @@ struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// The result would differ if the FE model replaced the emulator; see EmulatorCheck.
+/// With the FE model instead of the emulator, the result would differ; see EmulatorCheck.
 struct EmulatorMoved {};
 
 // ---- equations of motion ------------------------------------------------------------------
 
-/// The priors exclude true parameters of a simulated record.
+/// The priors exclude the true values of parameters of a simulated record.
 struct TruthOutsidePriors {
   struct Parameter {
     std::string name;
@@ -195,15 +195,15 @@ struct TruthOutsidePriors {
   };
   std::vector<Parameter> parameters;
 };
-/// Responses whose measured RMS no model reaches with parameters drawn from the prior.
+/// Responses whose measured RMS differs by more than a factor of 30 from that of every prior draw.
 struct ResponsesOutOfReach {
   struct Channel {
     std::string name;
-    double measured, lowest, highest;  ///< root mean squares [SI]
+    double measured, lowest, highest;  ///< RMS, and range of RMS over prior draws [SI]
   };
   std::vector<Channel> channels;
 };
-/// The stated noise is larger than the response itself.
+/// The stated noise of a response exceeds the RMS of the response about its mean.
 struct NoiseAboveResponse {
   struct Channel {
     std::string name;
@@ -225,8 +225,8 @@ struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels with an unknown unit or a unit of another dimension. The numbers of these channels are
-/// used without conversion.
+/// Channels with an unknown unit or a unit of another physical dimension. Their samples are used
+/// without conversion.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;
@@ -256,15 +256,15 @@ struct InitialStateInferred {
   double share;  ///< RMS of the first samples of the window, divided by the RMS of the response
 };
 
-/// With a quarter of the time step, the response of the best draw changes by `error` times the
+/// With a quarter of the time step, the response at the best draw changes by `error` times the
 /// noise.
 struct StepsTooLong {
   std::string model;
   double error;
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
-/// The posterior means of the parameters fit the record worse than the best draw does. The members
-/// give both NRMSE values per channel.
+/// The posterior means of the parameters fit the record worse than the best draw does. Each channel
+/// has the NRMSE of both.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// The stated noise of a channel is wrong. The RMS of the residuals is `factor` times this noise.
+/// The stated noise of a channel is wrong. The RMS of the residuals is `factor` times its sd.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -285,7 +285,7 @@ struct NoiseMisstated {
 /// The residuals of `model` are not white. The less probable models `others` have similar
 /// residuals.
 struct ColouredResiduals {
-  /// Residual model whose innovations are tested; empty: residuals assumed white
+  /// Residual model whose innovations are tested; empty for white residuals
   std::string residual_model = {};
   std::string remedy = {};  ///< advice of the residual model; may be empty
 
@@ -324,8 +324,8 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// A one-sided force law (for example of a stop) produces no force in the motion of any record. The
-/// gap of the law never closes in the fraction `share` of the model's draws.
+/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
+/// the fraction `share` of the model's draws, its gap never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
@@ -335,10 +335,10 @@ struct StopNotReached {
   double share;
 };
 
-/// The analysis assumes that the model error is equal in all states and cancels. The estimated
-/// changes between states therefore do not include the model error.
+/// The analysis assumes that the model error is the same in all states, so that it cancels.
+/// Estimated changes between states therefore do not include the model error.
 struct ChangesTakenForExact {
-  /// Relative error of the model's frequencies in every state.
+  /// Relative standard deviation of the model error of a frequency.
   double discrepancy;
 };
 /// A measured mode that may not belong to the structure.
@@ -352,7 +352,7 @@ struct SpuriousMode {
 /// Smallest probability at which a spurious mode is reported.
 inline constexpr double kSpurious = 0.05;
 
-/// The alternatives of a remark.
+/// All types of remarks.
 using RemarkVariant =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
                  remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection,

@@ -3,14 +3,14 @@
 //
 // Distances are computed in the coordinates in which the prior is standard normal, scaled by the
 // covariance of the draws about their nearest posterior mode. A search finds the posterior modes;
-// each draw belongs to the nearest mode. Two posterior modes are one solution if the smallest
+// each draw belongs to the mode nearest to it. Two posterior modes are one solution if the smallest
 // distance between their draws is at most
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// with the larger quantile of the two posterior modes. In one dimension, the density between two
-// separate solutions is then below about a thirtieth of the peak. A curved or rough ridge is one
-// solution.
+// with the larger quantile of the two posterior modes. In one dimension, the density between
+// separate solutions is then below about a thirtieth of its peak value. A curved or rough ridge is
+// one solution.
 #pragma once
 
 #include <vector>
@@ -21,21 +21,21 @@
 namespace wheeltap::identification {
 
 struct Solution {
-  double probability = 0.0, mcse = 0.0;  ///< share of the model's draws
+  double probability = 0.0, mcse = 0.0;  ///< share of the model's draws, with its error
   std::vector<double> best = {};         ///< parameters of the most probable draw of the solution
   /// Marginals of the draws of the solution, one per parameter
   std::vector<Marginal> parameters = {};
-  double chi_square = 0.0;  ///< χ² of the data at `best`; NaN if not computed
+  double chi_square = 0.0;  ///< χ² of the residuals at `best`; NaN if not computed
 };
 
-/// Probability below which a solution is omitted.
+/// Solutions with a smaller probability are omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {
   /// Solutions, the most probable first; empty if there is only one solution.
   std::vector<Solution> list = {};
   /// Covariance of draws about the mean of their solution, in standard normal coordinates: the
-  /// uncertainty within a solution. The matrix is empty if `list` is empty.
+  /// uncertainty within a solution. Empty if `list` is empty.
   Eigen::MatrixXd covariance_within = {};
 };
 

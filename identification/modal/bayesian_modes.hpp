@@ -16,7 +16,7 @@
 
 namespace wheeltap::identification {
 
-/// A frequency band and approximate frequencies of its modes, read from the spectra.
+/// A frequency band, and approximate frequencies of its modes as read from the spectra.
 struct ModalBand {
   double lowest_hz = 0.0, highest_hz = 0.0;
   std::vector<double> peaks_hz = {};  ///< approximate frequencies of one to three modes, ascending
@@ -44,8 +44,8 @@ struct BandLines {
 ///
 /// for m modes with shapes Φ of unit length. S is the spectral density of the modal forces divided
 /// by modal mass (m × m, Hermitian). S_e is the spectral density of the sensor noise. S and S_e are
-/// constant over the band. Contributions of modes outside the band count as noise, so the modes in
-/// the band should dominate the spectrum.
+/// constant over the band. Contributions of other modes count as noise, so the modes of the band
+/// should dominate the spectrum in the band.
 ///
 /// Parameters θ:
 /// - frequency f and damping ratio ζ of each mode;
@@ -72,7 +72,7 @@ class BandProblem {
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The problem for the engine of inference/, with one model. It holds a reference to this object.
+  /// The inference problem of the band, with one model. It holds a reference to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:
@@ -100,19 +100,19 @@ struct BayesianBand {
 
 struct BayesianBandOptions {
   std::uint64_t seed = 1;
-  /// Options of the engine, as in inference::Options
+  /// Options of the sampler, as in inference::Options
   int warmup = 2000, draws = 1500, searches = 10;
   int threads = 0;
 };
 
-/// Samples the posterior of one band with the engine of inference/.
+/// Samples the posterior of one band by reversible-jump MCMC (inference/).
 [[nodiscard]] BayesianBand identify_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          double sample_rate_hz, const ModalBand& band,
                                          const BayesianBandOptions& options = {});
 
-/// Identifies all bands in turn and sorts the modes by frequency. Modes of different bands are
-/// independent. Throws the exceptions of `band_lines` and BandProblem with the number of the band
-/// (from 0), and std::invalid_argument for bands that overlap.
+/// Identifies all bands in turn and sorts the modes by frequency. Modes in different bands are
+/// assumed to be independent a posteriori. Throws the exceptions of `band_lines` and BandProblem
+/// with the number of the band (from 0), and std::invalid_argument for bands that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                   double sample_rate_hz,
                                                   const std::vector<ModalBand>& bands,

@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification {
 
-/// Cost of identifying modes from a record of `numbers` samples over all channels.
+/// Run time and memory to identify modes from a record with a total of `numbers` samples.
 [[nodiscard]] inline inference::RunCost cost_of_modes(double numbers) {
   // Measured run times: 2 s for 8 channels of 61 440 samples each, 90 s for 20 channels of a
   // million samples each.

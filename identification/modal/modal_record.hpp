@@ -1,4 +1,4 @@
-// A vibration record of a structure, and identification of its modes by any method.
+// A vibration record of a structure, and identification of its modes by one of several methods.
 #pragma once
 
 #include <cstdint>
@@ -30,9 +30,9 @@ struct ModalRecord {
   int segment = 0;  ///< segment length for FDD and EFDD, as in signals::DecompositionOptions
 };
 
-/// Identifies modes. All entries of a shape refer to one quantity (signals::convert_shapes).
-/// Throws signals::ChannelError for a channel that the method cannot use, and the
-/// std::invalid_argument exceptions of each method.
+/// Identifies modes. All entries of a shape are of one quantity, e.g. displacement
+/// (signals::convert_shapes). Throws signals::ChannelError for a channel that the method cannot
+/// use, and std::invalid_argument as described for each method.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
 /// The spectrum to plot within the band of `result`: singular values if the method computed them,

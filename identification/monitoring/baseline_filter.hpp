@@ -1,5 +1,5 @@
-// Linear state-space model of the healthy structure's features under weather, with heavy-tailed
-// noise, and its Kalman filter:
+// Linear state-space model of the healthy structure's features as functions of weather, with
+// heavy-tailed noise, and the model's Kalman filter:
 //
 //   y_tj = phi(u_t)' b_j + d_tj + s_tj + e_tj,
 //   d_t: Ornstein-Uhlenbeck, rate `fast_rate`, covariance diag(fast_sd) C diag(fast_sd),
@@ -7,11 +7,11 @@
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
 // The state of feature j has the coefficients b_j of the covariate terms phi and the fast and slow
-// drifts d_j and s_j. Every feature has the observation vector h = [phi, 1, 1]. The filter
+// drifts d_j and s_j. The observation vector of every feature is h = [phi, 1, 1]. The filter
 // processes the entries of a row in sequence, which is exact for Gaussian noise. For Student t
-// noise, an entry has a normalised Student t predictive density whose squared scale S is the
-// filter's variance. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
-// the inverse of the expected precision of the scale mixture given the innovation v.
+// noise, the predictive density of an entry is Student t, normalised, with the filter's variance S
+// as squared scale. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
+// the inverse of the precision that the scale mixture has on average, given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// Time constant of the slow drift: the length of the training period, but at most this value [h].
+/// Largest time constant of the slow drift [h]; otherwise, it is the length of the training period.
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.
@@ -33,10 +33,10 @@ struct BaselineParameters {
   CovariateTerms terms = {};
   double fast_rate = 0.1;  ///< 1/h
   double slow_hours = kSlowHours;
-  /// p entries, for the logarithms of the features
+  /// p entries each: standard deviations of the logarithms of the features
   Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
   Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
-  /// Degrees of freedom of Student's t
+  /// Degrees of freedom of the noise distribution, Student's t
   double degrees = kGaussian;
   /// K x p: prior of the coefficients b
   Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};
@@ -52,17 +52,17 @@ void carry(Parcel& parcel, Of& b) {
          b.degrees, b.coefficient_mean, b.coefficient_sd);
 }
 
-/// ln of the density of an innovation v whose squared scale is S.
+/// Log density of an innovation v whose squared scale is `s`.
 [[nodiscard]] double log_innovation_density(double v, double s, double degrees);
 
-/// The regressors of one row for one draw.
+/// The regressors of one row under one parameter draw.
 struct Weather {
   Eigen::VectorXd h = {};  ///< block(): [phi, 1, 1]
-  /// K x K covariance of phi due to imputed covariates; empty if no covariate was imputed.
+  /// K x K covariance of phi from imputed covariates; empty if no covariate was imputed.
   Eigen::MatrixXd term_covariance = {};
 };
 
-/// Mean and covariance of the state, and the steps of the filter.
+/// The Kalman filter: mean and covariance of its state, and its steps.
 class BaselineFilter {
  public:
   BaselineFilter() = default;
@@ -75,10 +75,10 @@ class BaselineFilter {
   /// after predict.
   void observe(int feature, const Eigen::VectorXd& h, Eigen::VectorXd& covariance) const;
   [[nodiscard]] double mean(int feature, const Eigen::VectorXd& h) const;
-  /// Variance of h_j' x for the state x, given P h_j.
+  /// Variance of h_j' x for the state x, computed from P h_j.
   [[nodiscard]] double variance(int feature, const Eigen::VectorXd& h,
                                 const Eigen::VectorXd& covariance) const;
-  /// Updates the state with an entry of innovation v and variance s, which includes the noise.
+  /// Updates the state with an entry of innovation v; its variance s includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
   /// Replaces the drifts by their stationary distributions, independent of the coefficients.
@@ -97,23 +97,23 @@ class BaselineFilter {
   friend void carry(Parcel& parcel, Of& filter) { parcel(filter.x, filter.p, filter.block_); }
 };
 
-/// Predictive mean and standard deviation of a row before its features are used, and the log
-/// density of the row.
+/// Predictive mean and sd of a row before its features update the filter, and the log density of
+/// the row.
 struct RowPrediction {
   Eigen::VectorXd mean, sd;      ///< p; sd includes the noise
   Eigen::VectorXd standardised;  ///< p sequential innovations divided by their scales; NaN: missing
   double log_density = 0.0;
 };
 
-/// Predicts one row, `hours` after the previous row, computes its density and updates the state.
+/// Predicts a row `hours` after the previous row, computes its density and updates the state.
 [[nodiscard]] RowPrediction filter_row(const BaselineParameters& parameters, const Weather& weather,
                                        const Row& row, double hours, BaselineFilter& filter);
 
-/// Noise variance of an entry.
+/// Noise variance of a feature's entry in a row.
 [[nodiscard]] double noise_variance(const BaselineParameters& parameters, const Weather& weather,
                                     const Row& row, const BaselineFilter& filter, int feature);
 
-/// Factor by which `update` multiplies the noise variance (top of this file); Gaussian noise: 1.
+/// Factor by which `update` multiplies the noise variance (see top of file); 1 if Gaussian.
 [[nodiscard]] inline double noise_inflation(double v, double s, double degrees) {
   if (degrees == kGaussian) return 1.0;
   return std::max(1.0, (degrees + v * v / s) / (degrees + 1.0));

@@ -1,21 +1,21 @@
-// Training of the baseline: its parameters, inferred from the training period.
+// Training of the baseline model: inference of its parameters from the training period.
 //
-// The reversible-jump engine (inference/) samples the nonlinear parameters: number and knots of
-// hinges (trans-dimensional), the thermal lag, the rate of the fast drift and, for each feature,
-// the drift variance relative to the noise. Coefficients and noise variances are integrated in
-// closed form (marginal_likelihood.hpp). Three approximations make the sampling affordable:
+// Reversible-jump MCMC (inference/) samples the nonlinear parameters: number and knots of hinges
+// (trans-dimensional), the thermal lag, the rate of the fast drift and, for each feature, the drift
+// variance relative to the noise. Coefficients and noise variances are integrated in closed form
+// (marginal_likelihood.hpp). Three approximations reduce the run time:
 //
-// - outliers: the engine's likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
+// - outliers: the sampled likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
 //   residuals r of a preliminary robust fit with nu = 5. The degrees of freedom are then drawn from
 //   a grid, weighted by the evidence of the exact filter.
-// - features are independent in the engine. The correlation of their drift is estimated from the
+// - features are independent in the sampling. The correlation of their drift is estimated from the
 //   residuals and multiplied by a factor 0, 1/2 or 1, drawn with the degrees of freedom.
 // - the lag is common to all covariates; the slow drift's relative variance is common to all
 //   features.
 //
 // The full filter (baseline_filter.hpp) of each draw then processes the training rows, starting
-// from the priors. The posterior of the coefficients is as accurate as the filter's approximation
-// of Student's t.
+// from the priors. The only error of the posterior of the coefficients is the filter's
+// approximation of Student's t.
 #pragma once
 
 #include <cstdint>
@@ -28,23 +28,23 @@
 namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
-  /// Number of parameter draws kept for monitoring. 0: six, or four for more than eighty
-  /// coefficients of all features (not counting unseen weather). For at most 1000 training entries:
-  /// 1000 divided by the number of coefficients, at least the default above and at most 24.
+  /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
+  /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
+  /// 1000 divided by the number of coefficients, at least the number above and at most 24.
   int draws = 0;
-  int most_hinges = 3;  ///< largest number of hinges; all numbers are equally probable a priori
+  int most_hinges = 3;  ///< largest number of hinges; all numbers up to it have equal priors
   bool hinges = true, lag = true;
-  std::vector<bool> may_hinge = {};  ///< one entry per covariate; empty: all true
+  std::vector<bool> may_hinge = {};  ///< true for covariates that may have hinges; empty: all
   std::uint64_t seed = 1;
   int threads = 1;
   int chains = 4;
-  // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
-  int engine_draws = 500, engine_warmup = 2000;  ///< numbers per Markov chain
+  // Numbers of draws and of warm-up iterations; 0: the sampler chooses them.
+  int engine_draws = 500, engine_warmup = 2000;  ///< numbers per chain; 0: automatic
   int searches = 1;
-  std::function<bool(double fraction)> progress = nullptr;  ///< returns false to stop early
+  std::function<bool(double fraction)> progress = nullptr;  ///< returns false to stop the training
 };
 
-/// One parameter draw and its filter after the training rows.
+/// One parameter draw, and the state of its filter after the training rows.
 struct BaselineDraw {
   BaselineParameters parameters = {};
   BaselineFilter filter = {};
@@ -65,16 +65,16 @@ struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
   Eigen::VectorXd reference = {};    ///< p: medians of the features in the training period
-  Eigen::VectorXd residual_sd = {};  ///< p: posterior mean of the sd of drift plus noise
+  Eigen::VectorXd residual_sd = {};  ///< p: posterior mean of the sd of drift and noise together
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
-  double last_hours = 0.0;  ///< time of the last row that the filters have processed
-  // Nonlinear parameters of the draw with the highest posterior density, from which refit_baseline
-  // starts; not part of a stored state:
+  double last_hours = 0.0;  ///< time of the last row that the filters processed
+  // Nonlinear parameters of the draw with the highest posterior density, at which refit_baseline
+  // starts; they are not stored with a state:
   std::vector<double> best = {};
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   bool has_lag = false;
-  // Convergence diagnostics of the engine:
+  // Convergence diagnostics of the sampling:
   std::vector<double> hinge_probability = {};  ///< probabilities of 0, 1, … hinges
   bool converged = false;
   double rhat_max = 1.0;  ///< largest R-hat of covariate effects, noise and drift
@@ -92,19 +92,19 @@ void carry(Parcel& parcel, Of& b) {
 /// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
 
-/// One draw for other training rows. An optimiser that starts at the best draw of `from`
-/// maximises the evidence over the nonlinear parameters. Degrees of freedom and correlation are
-/// those of the first draw of `from`. Throws the exceptions of learn_baseline.
+/// Trains a baseline with one draw on other training rows. An optimiser maximises the evidence over
+/// the nonlinear parameters, starting at the best draw of `from`. Degrees of freedom and
+/// correlation are those of the first draw of `from`. Throws the exceptions of learn_baseline.
 [[nodiscard]] Baseline refit_baseline(const Series& learning, const Baseline& from,
                                       const LearningOptions& options);
 
-/// Updates the lagged covariates of one draw.
+/// Updates the lagged covariates of one draw; returns its regressors.
 [[nodiscard]] Weather next_weather(const CovariateScaling::Scaled& scaled, double hours,
                                    BaselineDraw& draw);
 
 inline constexpr double kLargestWeatherError = 0.3;
-/// False if the error of missing covariates may shift a feature by more than kLargestWeatherError
-/// residual standard deviations (`residual_sd`: p).
+/// False if the error from missing covariates may shift a feature by more than kLargestWeatherError
+/// times its residual standard deviation (`residual_sd`, p entries).
 [[nodiscard]] bool is_weather_known(const BaselineDraw& draw, const Eigen::VectorXd& residual_sd);
 
 }  // namespace wheeltap::identification::monitoring

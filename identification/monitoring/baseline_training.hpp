@@ -1,4 +1,4 @@
-// The parts of the baseline's training that do not depend on how parameters are sampled: prepared
+// The steps of the baseline's training that do not depend on how parameters are sampled: prepared
 // rows, terms of the covariates, evidence, and the parameters of one draw.
 #pragma once
 
@@ -13,29 +13,29 @@
 
 namespace wheeltap::identification::monitoring::training {
 
-/// Training rows, prepared for the engine.
+/// Training rows, prepared for the sampling.
 struct TrainingRows {
   std::vector<double> hours = {};
   std::vector<CovariateScaling::Scaled> scaled = {};
-  Eigen::MatrixXd z = {};  ///< covariates x rows: `scaled` without variances
+  Eigen::MatrixXd z = {};  ///< covariates x rows: the values in `scaled`
   std::vector<FeatureRows> features = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
-  Eigen::MatrixXd sorted = {};        ///< rows x covariates; columns sorted to find quantiles
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< range of the covariates with the long lag
+  Eigen::MatrixXd sorted = {};        ///< rows x covariates; sorted columns, for quantiles
   std::vector<int> hinged = {};       ///< covariates that may have hinges
-  std::vector<double> variance = {};  ///< per feature
-  /// Per feature: prior sd of slopes, divided by the noise sd
+  std::vector<double> variance = {};  ///< one entry per feature
+  /// Prior sd of the slopes of each feature, divided by its noise sd
   std::vector<double> slope_scale = {};
-  std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
-  std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
+  std::vector<double> noise_scale = {};       ///< scale of the prior of σ² of each feature
+  std::optional<EvidenceData> evidence = {};  ///< data of `features` with weights
   double slow_hours = kSlowHours;             ///< time constant of the slow drift
   bool lag = false;
   int most_hinges = 0;
   TrainingRows() = default;
-  TrainingRows(const TrainingRows&) = delete;  // `evidence` refers to the rows
+  TrainingRows(const TrainingRows&) = delete;  // because `evidence` points to the rows
   TrainingRows& operator=(const TrainingRows&) = delete;
 };
 
-/// Positions in the engine's parameter vector: lag (if any), rate of the fast drift, slow ratio,
+/// Positions in the sampled parameter vector: lag (if any), rate of the fast drift, slow ratio,
 /// fast ratio of each feature, one number per hinge (covariate index plus a fraction for the knot).
 struct Layout {
   bool lag;
@@ -47,22 +47,22 @@ struct Layout {
   [[nodiscard]] std::size_t hinge(std::size_t h) const { return slow() + 1 + features + h; }
 };
 
-/// Prepares the rows, with robust weights, and sets the reference of `out`.
+/// Prepares the rows with robust weights, and sets the medians `reference` of `out`.
 [[nodiscard]] std::unique_ptr<TrainingRows> prepare(const Series& series,
                                                     const LearningOptions& options, Baseline& out);
 
-/// Lag, hinges and knots of the parameters x.
+/// Lag, hinges and knots that the parameters x define.
 [[nodiscard]] CovariateTerms terms_of(const TrainingRows& of, const Layout& layout,
                                       std::span<const double> x);
 
-/// phi of all rows, one column per row, without the terms of unseen weather. Sets the range
-/// of lagged covariates.
+/// phi of all rows, one column per row, without the terms of unseen weather. Writes the range of
+/// the lagged covariates to `terms`.
 [[nodiscard]] Eigen::MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms);
 
 [[nodiscard]] ProcessRatios ratios_of(const Layout& layout, std::span<const double> x,
                                       std::size_t feature);
 
-/// The posteriors of all features' coefficients and noise variances at x.
+/// The posteriors of the coefficients and noise variance of each feature, given the parameters x.
 [[nodiscard]] std::vector<MarginalLikelihood> fits_of(const TrainingRows& of, const Layout& layout,
                                                       const Eigen::MatrixXd& table,
                                                       std::span<const double> x);
@@ -72,16 +72,16 @@ struct Layout {
                                   std::span<const double> x);
 
 /// Correlation matrix of the drift, estimated from that of the one-step innovations. An innovation
-/// holds only the part of the drift that is new since the previous row. Each correlation is
-/// therefore divided by the correlation that innovations of a completely correlated drift would
-/// have (innovation_correlation).
+/// contains only the change of the drift since the previous row. Each correlation is therefore
+/// divided by the correlation that innovations of fully correlated drifts would have
+/// (innovation_correlation).
 [[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of,
                                                 const Eigen::MatrixXd& table, const Layout& layout,
                                                 std::span<const double> x);
 
-/// Correlation of the innovations of two features whose fast drifts are completely correlated, in
-/// the steady state of their separate filters for rows `step` hours apart. The covariance of the
-/// two filters' errors follows P' = (I - k_1 h')(A P A' + Q)(I - k_2 h')', with h = (1, 1).
+/// Correlation of the innovations of two features with fully correlated fast drifts, in the steady
+/// state of their separate filters, for rows `step` hours apart. The covariance of the two filters'
+/// errors follows P' = (I - k_1 h')(A P A' + Q)(I - k_2 h')', with h = (1, 1).
 [[nodiscard]] double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b,
                                             double step);
 
@@ -91,7 +91,7 @@ struct Layout {
                                                const Eigen::VectorXd& reference,
                                                base::Random& random);
 
-/// Runs the full filter from its prior through the training rows; returns the log evidence.
+/// Runs the full filter from its prior through all training rows; returns the log evidence.
 double run_through(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw& draw);
 
 }  // namespace wheeltap::identification::monitoring::training

@@ -1,4 +1,4 @@
-// The time at which features shifted: one filter per candidate onset.
+// The onset of a shift of features, inferred with one filter per candidate onset.
 //
 //   y_tj = baseline_tj + r(t - τ) δ_j,   t >= τ
 //
@@ -6,12 +6,12 @@
 //   τ)/kTransientHours)
 //
 // A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
-// identification. The model without a change is a mixture of the baseline and of transients that
-// began at any row. A change must explain the data better than this mixture. The probability of
-// decayed transients returns to the baseline. At each row, the share of transients that may have
-// ended early returns, too.
+// modal identification. The model without a change is a mixture: the baseline, and transients that
+// began at any row. A change must explain the data better than this mixture. The probability of a
+// decayed transient returns to the baseline; at each row, so does the share of transients that may
+// have ended early.
 //
-// A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
+// A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
 // candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
 // which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of
@@ -19,15 +19,15 @@
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
-// For Student t, predictive densities are normalised as in baseline_filter.hpp. All candidates
-// share one noise inflation per entry (the mean over candidates, weighted by posterior mass). The
-// filter without a change has a separate noise inflation, because entries after damage are outliers
-// for this filter only.
+// For Student t noise, predictive densities are normalised as in baseline_filter.hpp. All
+// candidates share one noise inflation per entry: the mean over the candidates, weighted by
+// posterior mass. The filter without a change has a separate noise inflation, because entries after
+// damage are outliers for this filter only.
 //
-// Parameter draws are mixed with a fixed share: at each row, the fraction `fixed_share` of the
-// weight is redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its
-// weight. Every predictive density is normalised, hence Λ_τ,t is a test martingale under the
-// mixture without a change.
+// Weights of parameter draws have a fixed share: at each row, the fraction `fixed_share` of all
+// weight is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight.
+// Every predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture
+// without a change.
 #pragma once
 
 #include <cstdint>
@@ -45,17 +45,17 @@ inline constexpr double kTransientHours = 72.0;
 enum class ShiftProfile { step, ramp, transient };
 
 struct ChangePointOptions {
-  double hazard_per_hour = 1e-5;               ///< rate of changes
-  double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
+  double hazard_per_hour = 1e-5;               ///< prior rate of changes per hour
+  double transients_per_hour = 12.0 / 8766.0;  ///< prior rate of transients; 0: none
   /// Rate at which transients end suddenly instead of decaying.
   double transient_ends_per_hour = 1.0 / kTransientHours;
-  double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
+  double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: only steps
   int ramp_every = 24;       ///< rows between two candidate ramps
-  /// All candidates younger than this number of rows are kept. Of older candidates,
-  /// `kept_per_octave` are kept per doubling of age. 0: all candidates are kept.
+  /// All candidates younger than this number of rows are kept, and `kept_per_octave` older
+  /// candidates per doubling of age. 0: all candidates are kept.
   int young = 16;
   int kept_per_octave = 5;
-  double fixed_share = 0.01;  ///< share of the draws' weight that each row redistributes
+  double fixed_share = 0.01;  ///< fraction of the draws' weight that each row redistributes
 };
 
 template <class Parcel, class Of>
@@ -67,15 +67,15 @@ void carry(Parcel& parcel, Of& o) {
 
 struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
-  double hours = 0.0;    ///< time of this row
-  double first_hours = 0.0, last_hours = 0.0;  ///< earliest and latest merged onset
-  /// Mean and variance of the merged onsets, weighted by their masses
+  double hours = 0.0;    ///< time of row `row`
+  double first_hours = 0.0, last_hours = 0.0;  ///< times of the earliest and latest merged onset
+  /// Mean and variance of the merged onsets' times, weighted by their posterior masses
   double mean_hours = 0.0, variance_hours = 0.0;
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
   double log_wealth = 0.0;  ///< ln of the onset's term in the Shiryaev-Roberts sum
-  /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
-  /// its probability within the model without a change.
+  /// ln of the onset's prior probability, including merged candidates. For a transient, log_mass()
+  /// is ln of the transient's probability within the model without a change.
   double log_prior = 0.0;
   int slot = -1;  ///< slot in the bank of shifts
   /// Posterior of δ for each parameter draw; only in the result of ChangePoint::candidates().
@@ -93,18 +93,18 @@ void carry(Parcel& parcel, Of& c) {
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
-  Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
+  Eigen::VectorXd weather;   ///< p: posterior mean effect of the covariates
   /// False if the row has no features, or if missing covariates leave the effect of the weather
   /// unknown (ChangePoint::add).
   bool is_scored = true;
 };
 
-/// Estimate of the change since a given time.
+/// Estimate of a change since a given time.
 struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
   double ramp_probability = 0.0;                                 ///< P(ramp | change)
-  Eigen::VectorXd shift, shift_sd;      ///< p, shift of the logarithms, given a change
+  Eigen::VectorXd shift, shift_sd;      ///< p, shift of the features' logarithms, given a change
   Eigen::VectorXd shifted_probability;  ///< p: probability that the feature shifted, given a change
 };
 
@@ -114,12 +114,12 @@ class ChangePoint {
   ChangePoint(const Baseline& baseline, const ChangePointOptions& options);
 
   /// Processes the next row; all its features may be missing. The features of a row are not used if
-  /// the error of a missing covariate may shift a feature by more than kLargestWeatherError
-  /// residual standard deviations: such an error is common to many rows and would look like a
+  /// the error from missing covariates may shift a feature by more than kLargestWeatherError times
+  /// its residual standard deviation: such an error is common to many rows and would look like a
   /// change.
   PredictedRow add(const Row& row);
 
-  /// ln of the sum of the candidates' wealth, the Shiryaev-Roberts statistic.
+  /// ln of the Shiryaev-Roberts statistic: the sum over the wealth of all candidates.
   [[nodiscard]] double log_statistic() const;
   [[nodiscard]] ChangeEstimate estimate() const;
   /// Probability of a change since the last accepted change.
@@ -127,18 +127,18 @@ class ChangePoint {
   /// Posterior probabilities of the parameter draws, summed over the models with and without a
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Adds the present shift to the intercepts, and removes all candidates. The state keeps the
-  /// mean and covariance of the mixture over no change, all candidates and all their hypotheses.
+  /// Adds the present shift to the intercepts, and removes all candidates. The state gets the mean
+  /// and covariance of the mixture of no change and all candidates with all their hypotheses.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates
-  /// of the last row; mean over the draws, zero for a covariate that is not used.
+  /// of the last row; mean over the draws, zero for an unused covariate.
   [[nodiscard]] Eigen::MatrixXd covariate_slopes(int covariates) const;
 
   [[nodiscard]] std::int64_t rows() const { return rows_; }
   /// All candidate onsets with their posteriors of δ.
   [[nodiscard]] std::vector<CandidateOnset> candidates() const;
-  /// Sum over all merges of the posterior probability that moved to a neighbouring onset.
+  /// Total posterior probability that merges have moved to a neighbouring onset.
   [[nodiscard]] double moved_mass() const { return moved_; }
 
  private:
@@ -161,12 +161,12 @@ class ChangePoint {
   Eigen::VectorXd residual_sd_;
   ChangePointOptions options_;
   LastCovariates last_covariates_;
-  std::vector<BaselineDraw> draws_;      ///< filters without a change
-  std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one per draw
+  std::vector<BaselineDraw> draws_;      ///< filters that assume no change
+  std::vector<BaselineFilter> changed_;  ///< filters that all candidates share, one per draw
   Eigen::VectorXd log_weight_;           ///< log weights of the draws in the model without a change
-  Eigen::VectorXd shared_;  ///< share of each draw's weight that belongs to the candidates' filter
+  Eigen::VectorXd shared_;  ///< part of each draw's weight that belongs to the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
-  CandidateBank bank_;      ///< posteriors of their shifts
+  CandidateBank bank_;      ///< posteriors of the candidates' shifts
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double rows_per_hour_ = 1.0;
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0, last_scored_hours_ = 0.0;

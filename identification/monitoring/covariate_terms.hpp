@@ -1,14 +1,14 @@
-// Effects of covariates on features: linear terms, hinges at unknown knots, thermal lag.
+// Terms of covariates' effects on features: linear, hinges at unknown knots, thermal lag.
 //
 //   v_c' = (z_c - v_c) / lag,   z_c = (u_c - mean_c) / sd_c          (z held between rows)
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
 // Each of the last four entries stands for kUnseenSegments terms: the lengths of its u inside the
-// segments between kUnseenKnots. The sum is piecewise linear with one slope per segment. The "long"
-// terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are zero
-// in the training period, so training does not change the priors of their coefficients. Predictions
-// are wider outside the training period, and wider again in each new segment.
+// segments between kUnseenKnots. Their sum is piecewise linear with one slope per segment. The
+// "long" terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are
+// zero in the training period, so training does not change the priors of their coefficients.
+// Predictions are wider outside the training period, and wider again in each new segment.
 #pragma once
 
 #include <concepts>
@@ -22,8 +22,8 @@ namespace wheeltap::identification::monitoring {
 inline constexpr double kLargestDeviation = 25.0;
 inline constexpr double kLargestJump = 3.0;
 
-/// Standardised values of the last finite readings, and of the last entries that were used; empty
-/// before the first row.
+/// Standardised values of each covariate's last finite reading, and of its last entry that was
+/// used; empty before the first row.
 struct LastCovariates {
   Eigen::VectorXd read = {}, used = {};
 };
@@ -38,7 +38,7 @@ void carry(Parcel& parcel, Of& last) {
 class CovariateScaling {
  public:
   CovariateScaling() = default;
-  /// `covariates`: n x c training rows, NaN: missing. Constant covariates are not used.
+  /// `covariates` holds n x c training values; NaN: missing. A constant covariate is not used.
   explicit CovariateScaling(const Eigen::MatrixXd& covariates);
 
   struct Scaled {
@@ -51,12 +51,12 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// Scales a row of a time series in the same way. In addition, an entry outside the range of the
-  /// training period by more than a jump counts as missing, unless it is within a jump of the last
-  /// reading or of the last used entry of this covariate. A single wrong reading then does not
-  /// determine the effect of weather outside the training period. A jump is kLargestJump standard
-  /// deviations, or twice the largest change between two rows of the training period. The imputed
-  /// variance is at least the squared distance between such an entry and its imputed value.
+  /// Scales a row of a time series in the same way. In addition, an entry that exceeds the range of
+  /// the training period by more than a jump counts as missing, unless it is within a jump of this
+  /// covariate's last reading or last used entry. A single wrong reading thus does not determine
+  /// the effect of weather outside the training period. A jump is kLargestJump standard deviations,
+  /// or twice the largest change between two rows of the training period. The imputed variance is
+  /// at least the squared difference between this entry and its imputed value.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
@@ -84,22 +84,22 @@ class CovariateScaling {
 
 inline constexpr double kLongLagHours = 72.0;
 inline constexpr int kUnseenSegments = 3;
-/// Left ends of the segments, in standard deviations outside the training period.
+/// Left ends of the segments, in standard deviations beyond the extremes of the training period.
 inline constexpr double kUnseenKnots[kUnseenSegments] = {0.0, 1.0, 4.0};
 /// Number of terms "cold" to "long warm" at the end of phi
 inline constexpr int kUnseenTerms = 4 * kUnseenSegments;
 
 /// The nonlinear parameters of the covariates' terms.
 struct CovariateTerms {
-  double lag_hours = 0.0;  ///< shared by all covariates; 0: none
+  double lag_hours = 0.0;  ///< lag of all covariates; 0: no lag
   /// Covariate of each hinge: index among the used covariates
   std::vector<int> hinge_of = {};
-  std::vector<double> knots = {};  ///< values of z, one per hinge
-  /// C entries: smallest and largest v in the training period
+  std::vector<double> knots = {};  ///< value of z at each hinge
+  /// C entries: smallest and largest lagged value v in the training period
   Eigen::VectorXd low = {}, high = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< C: extremes of v with the long lag
 
-  /// Number of terms in phi for c = `covariates` used covariates: 1 + c + hinges + kUnseenTerms.
+  /// Number of terms in phi for c = `covariates` used covariates: 1 + c + knots + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {
     return 1 + covariates + static_cast<int>(knots.size()) + (covariates > 0 ? kUnseenTerms : 0);
   }
@@ -112,14 +112,14 @@ void carry(Parcel& parcel, Of& terms) {
          terms.long_high);
 }
 
-/// Updates v after `hours` with the covariate at z. Without a lag, v = z.
+/// Updates the lagged values v after `hours` with the covariates at z. Without a lag, v = z.
 void follow_lag(const Eigen::VectorXd& z, double hours, double lag_hours, Eigen::VectorXd& v);
 
-/// phi for the covariates v (lagged as in `terms`) and `slow` (lagged by kLongLagHours).
+/// Computes phi for the covariates v (lagged as in `terms`) and `slow` (lagged by kLongLagHours).
 [[nodiscard]] Eigen::VectorXd terms_at(const CovariateTerms& terms, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& slow);
 
-/// d phi/d v, (terms) x (covariates): the sensitivity of phi to errors of v.
+/// Computes d phi/d v, terms x covariates: the sensitivity of phi to errors of v.
 [[nodiscard]] Eigen::MatrixXd term_slopes(const CovariateTerms& terms, const Eigen::VectorXd& v);
 
 }  // namespace wheeltap::identification::monitoring

@@ -2,8 +2,8 @@
 //
 //   y = X b + d + s + e,   e_t ~ N(0, σ²/w_t),   d, s: Ornstein-Uhlenbeck with variances
 //   σ² fast_ratio and σ² slow_ratio,   b_k ~ N(0, σ² g_k²),   σ² ~ InverseGamma(a, c).
-// A Kalman filter of (d, s) whitens both y and the columns of X, because its gain does
-// not depend on the data. The integrals over b and σ² then have a closed form. Cost: O(n
+// A Kalman filter of (d, s) whitens both y and the columns of X, because its gain does not
+// depend on the data. The integrals over b and σ² then have a closed form. The cost is O(n
 // K²).
 #pragma once
 
@@ -18,8 +18,8 @@ namespace wheeltap::identification::monitoring {
 /// The rows in which one feature was measured.
 struct FeatureRows {
   std::vector<int> rows = {};  ///< indices of these rows in the series
-  Eigen::VectorXd y;           ///< values of the feature in these rows
-  Eigen::VectorXd precision;   ///< w_t > 0: robust weight / relative noise variance
+  Eigen::VectorXd y;           ///< values of the feature in `rows`
+  Eigen::VectorXd precision;   ///< w_t > 0: robust weight divided by relative noise variance
 };
 
 struct RegressionPrior {
@@ -40,24 +40,24 @@ struct MarginalLikelihood {
   double shape = 1.0, scale = 1.0;  ///< parameters of the inverse gamma posterior of σ²
 };
 
-/// Computes ln p(y), including all normalising constants, and the posterior. `hours`: times of all
-/// rows; `terms`: K x (all rows).
+/// Computes ln p(y), with all normalising constants, and the posterior. `hours` has the times of
+/// all rows, and `terms` (K x all rows) their phi.
 [[nodiscard]] MarginalLikelihood marginal_likelihood(const std::vector<double>& hours,
                                                      const Eigen::MatrixXd& terms,
                                                      const FeatureRows& feature,
                                                      const ProcessRatios& process,
                                                      const RegressionPrior& prior);
 
-/// The training rows of all features, prepared for many evaluations. Each lane of a vector
-/// instruction computes one feature (kernels/evidence_kernel.hpp).
+/// The training rows of all features, prepared for repeated computation of the evidence. Each SIMD
+/// lane computes one feature (kernels/evidence_kernel.hpp).
 class EvidenceData {
  public:
-  /// `hours`: times of all rows.
+  /// `hours` has the times of all rows.
   EvidenceData(const std::vector<double>& hours, const std::vector<FeatureRows>& features,
                double slow_hours);
 
-  /// Computes the same as `marginal_likelihood` for every feature, up to rounding. `terms`: K x
-  /// (all rows); `fast_ratios` and `priors`: one per feature.
+  /// Computes the result of `marginal_likelihood` for every feature, up to rounding errors. `terms`
+  /// is K x all rows; `fast_ratios` and `priors` have one entry per feature.
   [[nodiscard]] std::vector<MarginalLikelihood> operator()(
       const Eigen::MatrixXd& terms, double fast_rate, double slow_ratio,
       std::span<const double> fast_ratios, std::span<const RegressionPrior> priors) const;
@@ -70,7 +70,7 @@ class EvidenceData {
   double slow_hours_;
 };
 
-/// One-step innovations at coefficients b, divided by σ; unit variance under the model.
+/// One-step innovations at coefficients b, divided by σ; their variance is 1 under the model.
 [[nodiscard]] Eigen::VectorXd whitened_residuals(const std::vector<double>& hours,
                                                  const Eigen::MatrixXd& terms,
                                                  const FeatureRows& feature,

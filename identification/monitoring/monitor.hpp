@@ -13,15 +13,15 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// If set, this number replaces the rate per year.
+  /// If set, this number of rows replaces the rate of false alarms per year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// False: the model alone gives the threshold; replay still reports the rate of false alarms.
+  /// False: the threshold is computed from the model; replay only reports its false-alarm rate.
   bool is_calibrated = true;
-  /// Number of rows after an alarm that refine the estimate of the change. After these rows,
-  /// the change is accepted and the detector is reset.
+  /// Number of rows after an alarm that refine the estimate of the change. Then the monitor accepts
+  /// the change and resets the detector.
   int settling_rows = 24;
   /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
@@ -30,8 +30,8 @@ struct MonitorOptions {
 struct AlarmRecord {
   double hours = 0.0;
   double probability_at_alarm = 0.0;
-  ChangeEstimate change = {};  ///< estimate from the rows up to `settling_rows` after the alarm
-  // Computed from the same rows, to explain the change (change_explanation.hpp):
+  ChangeEstimate change = {};  ///< estimate that uses `settling_rows` rows after the alarm
+  // Quantities from the same rows that explain the change (change_explanation.hpp):
   ShiftLikelihood likelihood = {};
   Eigen::MatrixXd covariate_slopes = {};  ///< p x c
 };
@@ -49,16 +49,16 @@ struct RowFinding {
 class Monitor {
  public:
   Monitor() = default;
-  /// Trains the baseline on `learning`, whose rows are all healthy. Throws the exceptions of
-  /// learn_baseline.
+  /// Trains the baseline on `learning`, whose rows all belong to the healthy structure. Throws the
+  /// exceptions of learn_baseline.
   Monitor(const Series& learning, const MonitorOptions& options);
 
   RowFinding add(const Row& row);
 
-  /// A copy in the present state, for another stated rate of false alarms, without new training.
+  /// A copy with the trained state, for another stated rate of false alarms, without new training.
   [[nodiscard]] Monitor with_rate(double false_alarms_per_year, bool is_calibrated) const;
 
-  /// One-step predictions of the training rows by the filter of the first draw, without alarm
+  /// One-step predictions of the training rows by the filter of the first draw; they have no alarm
   /// statistic. Empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
@@ -66,8 +66,8 @@ class Monitor {
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold that the model gives for the stated rate. The next two functions return ln
-  /// of the threshold from the replay, and ln of the larger threshold, which Monitor uses.
+  /// ln of the threshold from the model for the stated rate of false alarms. The next two functions
+  /// return ln of the threshold from the replay, and ln of the larger of both, which Monitor uses.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {
@@ -96,7 +96,7 @@ class Monitor {
   double log_stated_ = 0.0;
   bool is_calibrated_ = true;
   int settling_left_ = 0, settling_rows_ = 24;
-  double log_unchanged_ = 0.0;  ///< ln P(no change) up to the last accepted change
+  double log_unchanged_ = 0.0;  ///< ln P(no change before the last accepted change)
 };
 
 template <class Parcel, class Of>

@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// Median and covariance of the columns of n x p residuals, NaN: missing. Standard deviations are
+/// Median and robust covariance of p columns of n residuals; NaN: missing. Standard deviations are
 /// 1.4826 times the median absolute deviations. Correlations are computed from values clipped at
 /// three standard deviations, over the rows with both entries.
 struct Scatter {
@@ -15,7 +15,7 @@ struct Scatter {
 
 [[nodiscard]] Scatter robust_scatter(const Eigen::MatrixXd& residuals);
 
-/// (r - m)' S⁻¹ (r - m) over the entries that are present; NaN if all are missing.
+/// Computes (r - m)' S⁻¹ (r - m) over the entries that are present; NaN if all are missing.
 [[nodiscard]] double squared_distance(const Scatter& scatter, const Eigen::VectorXd& residuals);
 
 }  // namespace wheeltap::identification::monitoring

@@ -1,4 +1,4 @@
-// A series of features and covariates, with one row per time.
+// A time series of features and covariates, with one row per time.
 #pragma once
 
 #include <string>
@@ -28,11 +28,11 @@ inline constexpr double kLargestRelativeVariance = 1e8;
 /// One row of a series, as input of the filters.
 struct Row {
   double hours = 0.0;
-  Eigen::VectorXd features = {};  ///< p logarithms, NaN: missing
+  Eigen::VectorXd features = {};  ///< p logarithms; NaN: missing
   /// p: noise variance of this row divided by the usual noise variance; 1 if no sd is stated.
-  /// At most kLargestRelativeVariance, because a larger sd is a code for an unknown sd.
+  /// Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown sd.
   Eigen::VectorXd relative_variance = {};
-  Eigen::VectorXd covariates = {};  ///< c, NaN: missing
+  Eigen::VectorXd covariates = {};  ///< c entries; NaN: missing
 };
 
 /// A fault of a series and its location.
@@ -55,14 +55,14 @@ struct SeriesFault {
 inline constexpr int kFewestLearningRows = 20;
 
 /// The faults of a series whose first `learning` rows are known to be healthy. A caller may treat a
-/// constant covariate as a warning, because the baseline does not use it.
+/// constant covariate as a warning only, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i. Its noise variances are relative to `usual_sds`: p medians in the training period, or
-/// empty.
+/// Row i. Its noise variances are divided by the squares of `usual_sds`: medians in the training
+/// period, or empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
-/// Median step between consecutive times.
+/// Median time step between consecutive rows.
 [[nodiscard]] double median_step(const std::vector<double>& hours);
 
 /// Median sd of each feature over the first `learning` rows; empty if the series states no sds.

@@ -7,8 +7,8 @@
 //        = Σ_k exp(log_weight_k - ½ (δ - mean_k)ᵀ precision_k (δ - mean_k)),
 //   precision = C⁻¹ - P⁻¹,   precision · mean = C⁻¹ m,
 //
-// summed over onsets, profiles and parameter draws with their posterior weights. The likelihood is
-// exact for Gaussian noise. Components of negligible weight are omitted.
+// where the sums are over onsets, profiles and parameter draws, with posterior weights. The
+// likelihood is exact for Gaussian noise. Components with negligible weights are omitted.
 #pragma once
 
 #include <vector>
@@ -40,10 +40,10 @@ void carry(Parcel& parcel, Of& l) {
 
 struct LikelihoodLimits {
   int components = 24;       ///< largest number of components
-  double negligible = 1e-4;  ///< relative weight below which a component is omitted
+  double negligible = 1e-4;  ///< a component below this share of the largest weight is omitted
 };
 
-/// `residual_sd`: p, Baseline::residual_sd.
+/// Computes the likelihood. `residual_sd` is Baseline::residual_sd (p entries).
 [[nodiscard]] ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
                                                const Eigen::VectorXd& residual_sd,
                                                const LikelihoodLimits& limits = {});

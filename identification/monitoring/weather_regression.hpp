@@ -11,11 +11,11 @@ namespace wheeltap::identification::monitoring {
 
 /// y_j = b_j0 + Σ_c b_jc z_c + Σ_h b_jh max(0, z_h - κ_h), by least squares with robust weights.
 /// Each covariate has a hinge at its median. If its values in the training period have both signs,
-/// it also has a hinge at zero, because the slope of features often changes at 0 °C.
+/// it also has a hinge at zero, because slopes of features often change at 0 °C.
 class HingeRegression {
  public:
   explicit HingeRegression(const Series& learning);
-  /// p residuals, NaN: missing.
+  /// The p residuals of a row; NaN for a missing entry.
   [[nodiscard]] Eigen::VectorXd residuals(const Row& row) const;
 
  private:
@@ -31,13 +31,13 @@ class HingeRegression {
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
 /// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² has a closed form
-/// (Rasmussen & Williams 2006, equation 5.8). Longer training periods are thinned to kMostPoints
-/// evenly spaced rows.
+/// (Rasmussen & Williams 2006, equation 5.8). If the training period has more rows, kMostPoints
+/// evenly spaced rows are used.
 class ProcessRegression {
  public:
   static constexpr int kMostPoints = 300;
   explicit ProcessRegression(const Series& learning);
-  /// p residuals divided by their predictive standard deviations, NaN: missing.
+  /// The p residuals of a row, divided by their predictive standard deviations; NaN: missing.
   [[nodiscard]] Eigen::VectorXd residuals(const Row& row) const;
 
  private:

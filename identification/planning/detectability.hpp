@@ -1,4 +1,4 @@
-// Smallest detectable severity at every place, and places that a test cannot distinguish.
+// Smallest detectable defect at every place, and places that a test cannot distinguish.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::identification::planning {
 
-/// Detection of one defect at one place.
+/// Probability of detection of one defect at one place.
 struct PlaceDetection {
   int place = 0;
   std::vector<double> severities;       ///< ascending
@@ -19,15 +19,15 @@ struct PlaceDetection {
   /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
   /// empty if P(detected) is below 0.9 at the largest severity of the prior.
   std::optional<double> smallest;
-  /// `smallest` computed from the upper and from the lower bounds of the 95 % intervals (Wilson) of
-  /// P(detected).
+  /// `smallest` computed from the upper and from the lower bounds of the 95 % confidence intervals
+  /// (Wilson) of P(detected).
   std::optional<double> smallest_low, smallest_high;
 };
 
 struct DetectabilityOptions {
   int tests = 100;          ///< number of tests per place and severity
-  double threshold = 0.0;   ///< threshold of the log odds of damage
-  double tolerance = 0.05;  ///< tolerance of a correct place [m]
+  double threshold = 0.0;   ///< log odds of damage above which a test detects damage
+  double tolerance = 0.05;  ///< largest location error of a correct place [m]
   int threads = 1;
   std::uint64_t seed = 1;
 };
@@ -39,19 +39,19 @@ struct DetectabilityOptions {
                                                             const PreparedDesign& design,
                                                             const DetectabilityOptions& options);
 
-/// Two regions of places that a test cannot distinguish.
+/// Two regions between whose places a test cannot distinguish.
 struct ConfusedRegions {
   struct Region {
     int kind = 0, stretch = 0;
-    double start = 0.0, end = 0.0;  ///< [m]; 0 for points
+    double start = 0.0, end = 0.0;  ///< interval [m]; 0 for points
     std::string name;               ///< "beam, 0.1 to 0.4 m"
   };
   Region first, second;
   int pairs = 0;       ///< number of confused pairs of places
-  bool exact = false;  ///< true if the predictions are equal: images of a symmetry
+  bool exact = false;  ///< true if predictions are equal because of a symmetry
 };
 
-/// The length within which a test cannot distinguish places of a member.
+/// The length within which a test cannot distinguish the places of a member.
 struct PlaceResolution {
   std::string name;  ///< name of the member
   double metres = 0.0;
@@ -61,14 +61,14 @@ struct Confusion {
   std::vector<ConfusedRegions> regions;
   std::vector<PlaceResolution> resolutions;
   std::vector<std::pair<int, int>> pairs;  ///< confused pairs of places in the regions
-  std::vector<int> undetectable;           ///< places at which the largest damage is not detectable
+  std::vector<int> undetectable;           ///< places at which the largest defect is not detectable
 };
 
-/// Two places are confused if the prior's largest defect at one place has data within `kDistance`
-/// standard errors of the data of some defect at the other place. With equal priors, a test then
-/// assigns at least Φ(-1) = 16 % of these defects to the other place. Confused places determine the
-/// resolution if they are within `tolerance`, or connected by confused places of one member. Other
-/// confused places form regions.
+/// Two places are confused if the largest defect of the prior at one place gives mean data within
+/// `kDistance` standard errors of the data of some defect at the other place. With equal priors, a
+/// test then assigns at least Φ(-1) = 16 % of these defects to the other place. Confused places
+/// determine the resolution of a member if they are within `tolerance` of each other, or connected
+/// by confused places of this member. All other confused places form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
@@ -77,14 +77,14 @@ inline constexpr double kDistance = 2.0;
 struct Separation {
   std::vector<int> sensors;   ///< additional sensors
   int mass = -1;              ///< index of the added mass; -1: additional sensors
-  int separated = 0, of = 0;  ///< number of distinguished pairs, and of all confused pairs
+  int separated = 0, of = 0;  ///< number of distinguished pairs, and of confused pairs
 };
-/// The cheapest additional sensors, and the best single added mass. Of the changes that distinguish
-/// the most pairs (within 5 %), the cheapest is chosen; at equal cost, the change with the largest
-/// distances. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors;
-/// other designs get one. `costs`: per candidate; empty: equal costs. A result is empty if no
-/// change distinguishes a pair. Pairs of additional sensors use at most 32 candidates: those with
-/// the lowest costs and, at equal costs, the largest Σ φ² over the modes.
+/// The cheapest additional sensors, and the best single added mass. Among the changes that
+/// distinguish the most pairs (within 5 %), the cheapest is chosen, and at equal cost the one with
+/// the largest distances between data. A design with n < 2 sensors, which measure no shape, gets 2
+/// - n additional sensors; other designs get one. `costs`: one per candidate; empty: equal costs. A
+/// result is empty if no change distinguishes a pair. Pairs of additional sensors use at most 32
+/// candidates: those with the lowest costs and, at equal costs, the largest Σ φ² over the modes.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

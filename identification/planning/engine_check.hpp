@@ -1,4 +1,4 @@
-// Comparison of a plan's approximate evidences with runs of the full engine.
+// Comparison of a plan's approximate evidences with runs of the full engine (reversible-jump MCMC).
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::identification::planning {
 
-/// The damage case of one simulated test of a design, with the measured modes and their
+/// The damage case for one simulated test of a design; it contains the simulated modes and their
 /// uncertainty.
 [[nodiscard]] DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
                                         const TestDesign& design, const Scenario& scenario);
@@ -19,9 +19,9 @@ struct EngineOutcome {
   double probability_damaged = 0.0;
   int model = 0;       ///< most probable model
   bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
-  /// ln of the posterior density (in standard normal coordinates) of the true damage, minus that of
-  /// the highest mode that the run found in the true model. A value of several nats means that the
-  /// search missed the true damage.
+  /// Log posterior density (in standard normal coordinates) of the true damage, minus the highest
+  /// one that the run found in the true model. A value of several nats means that the search missed
+  /// the true damage.
   double truth_gain = 0.0;
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
@@ -35,16 +35,16 @@ struct CheckedTest {
   EngineOutcome engine;
 };
 
-/// A run of the engine with a larger `truth_gain` [nats] missed the true damage.
+/// If `truth_gain` [nats] of a run is larger, the run missed the true damage.
 inline constexpr double kMissed = 3.0;
 /// First number of the checked tests; scores and searches use smaller numbers.
 inline constexpr std::uint64_t kFirstCheck = std::uint64_t{1} << 40;
 
-/// Differences of P(detected) and P(right place), both given at least one defect: engine minus
-/// approximation, for the same tests. Also the root mean square difference of P(at least one
-/// defect | y) over all tests. Standard errors count one additional test with different results,
-/// because a few tests may all agree by chance. Tests in which the engine did not find the true
-/// damage are counted only as `missed`, because they say nothing about the approximation.
+/// Differences (engine minus approximation, same tests) of P(detected) and P(right place), both
+/// given at least one defect. Also the root mean square difference of P(at least one defect | y)
+/// over all tests. Standard errors count one additional test in which engine and approximation
+/// differ, because a few tests may all agree by chance. Tests in which the engine did not find the
+/// true damage count only as `missed`, because they do not test the approximation.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect
@@ -53,9 +53,9 @@ struct EngineCheck {
   double rms_probability = 0.0;
 };
 
-/// Runs the engine on `count` simulated tests that the scores did not use. Quick runs have at
-/// least 200 local searches per model: the model with two damages has posterior modes for many
-/// pairs of members. Engine and approximation use the detection threshold of the design's scores.
+/// Runs the engine on `count` simulated tests that the scores did not use. Quick runs make at least
+/// 200 local searches per model, because a model with two damages has many posterior modes (pairs
+/// of members). Engine and approximation use the detection threshold of the design's scores.
 [[nodiscard]] EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
                                           const ScoredDesign& design, int count,
                                           const inference::Options& options,

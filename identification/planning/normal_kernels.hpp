@@ -1,4 +1,4 @@
-// The expensive loops of NormalTest: normal integrals over severities, and weights of pairs.
+// The slowest loops of NormalTest: normal integrals over severities, and weights of pairs.
 #pragma once
 
 #include <array>
@@ -18,38 +18,38 @@ struct Rectangle {
   double x0, x1, y0, y1;
 };
 
-/// The point of the rectangle with the largest value.
+/// The point of the rectangle at which q is largest.
 [[nodiscard]] std::array<double, 2> best_point(const Quadratic& q, const Rectangle& r);
 
-/// q at a point.
+/// Computes q at a point.
 [[nodiscard]] double value_at(const Quadratic& q, const std::array<double, 2>& point);
 
-/// ln ∫∫ exp(q) over the rectangle; `best` is its best point. The integral has a closed form if the
+/// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if the
 /// normal density of one variable is inside the rectangle at all relevant values of the other
 /// variable. Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre
 /// quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
 
-/// Number of pairs that one instruction processes.
+/// Number of pairs that one vector instruction processes.
 inline constexpr std::size_t kPairLanes = 8;
 
-/// Number of different entries of a symmetric matrix of order 4.
+/// Number of independent entries of a symmetric 4 × 4 matrix.
 inline constexpr std::size_t kSymmetric = 10;
 
-/// Pairs of one place a with several places b. All arrays have a multiple of kPairLanes entries.
+/// Pairs of one place a with several places b. Array lengths are multiples of kPairLanes.
 struct PairRow {
-  float amplitude;          ///< y · v_a, v_a the unit direction of place a
-  float bend;               ///< y · w_a, w_a the direction in which place a deviates from its line
-  float slope;              ///< largest deviation of place a in units of the amplitude
-  float limit;              ///< largest amplitude of place a
-  const float* amplitudes;  ///< y · v_b
-  const float* bends;       ///< y · w_b
-  const float* slopes;      ///< slope of each place b
-  const float* limits;      ///< limit of each place b
+  float amplitude;           ///< y · v_a; v_a is the unit direction of place a
+  float bend;                ///< y · w_a; w_a is the direction of deviations from the line of v_a
+  float slope;               ///< largest deviation along w_a, divided by the amplitude
+  float limit;               ///< largest amplitude of place a
+  const float* amplitudes;   ///< y · v_b
+  const float* bends;        ///< y · w_b
+  const float* slopes;       ///< slope of each place b
+  const float* limits;       ///< limit of each place b
   const float* correlation;  ///< ρ = v_a · v_b
   const float* inverse;      ///< 1 / (1 - ρ²)
-  const float* log_weight;   ///< added to the largest exponent
+  const float* log_weight;   ///< term that is added to the largest exponent
   const float* interaction;  ///< |I| / (|Δ_a| |Δ_b|), 0 for no interaction
   /// Inverse of the Gram matrix of v_a, w_a, v_b and w_b: entries (0, 0), (0, 1), … (3, 3) of the
   /// upper triangle, each in a separate array, `stride` apart.
@@ -58,8 +58,8 @@ struct PairRow {
   std::size_t size;
 };
 
-/// If interaction, curvature and bounds change the exponent of a pair by less than this value,
-/// the weight of the pair omits them.
+/// Interaction, curvature and bounds of a pair are neglected if they change its exponent by less
+/// than this value.
 inline constexpr float kSmallChange = 0.3F;
 
 /// Computes the ln of the approximate weight of each pair: `log_weight` plus the exponent at
@@ -68,16 +68,16 @@ inline constexpr float kSmallChange = 0.3F;
 ///
 ///   extra = f + min(r²/2, κ²/2 + 4 κ) + min(u, d √(2 u)).
 ///
-/// Without limits of the amplitudes, the exponent would increase by f. The interaction
-/// has the size κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If
-/// the interaction describes the residual, its effect exceeds the second term with
+/// If amplitudes had no limits, the exponent would increase by f. The interaction has the
+/// size κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If the
+/// interaction describes the residual, its effect exceeds the second term with
 /// probability 3e-5. If both places may deviate freely along w_a and w_b, the exponent
-/// would increase by u. The largest possible deviation is d = c_a slope_a + c_b
-/// slope_b. `square` = |y|². Returns the largest weight of the pairs with `extra`
-/// below kSmallChange.
+/// would increase by u. The largest possible deviation is d = c_a slope_a + c_b slope_b.
+/// `square` = |y|². Returns the largest weight of the pairs with `extra` below
+/// kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
-/// Pairs of places with effects on the curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
+/// Pairs of places whose effects lie on curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
 /// `stride` entries in this order; the number of used entries is a multiple of kPairLanes.
 struct CurvedPairs {
   enum Array {
@@ -105,15 +105,15 @@ struct CurvedPairs {
 };
 
 /// Largest exponent of each pair without interaction, by Gauss-Newton steps from the straight
-/// lines. `extra` approximates an upper bound of its increase by the interaction (as in
-/// screen_pairs) and by the deviations d from the curves, min(d r, r²/2). `square` = |y|².
+/// lines. `extra` approximates an upper bound of the increase of this exponent by the interaction
+/// (as in screen_pairs) and by the deviations d from the curves, min(d r, r²/2). `square` = |y|².
 void fit_curved_pairs(const CurvedPairs& pairs, float square, float* exponent, float* extra);
 
 /// Replaces each of `size` values by exp(value - most), with a relative error below 1e-6; values
 /// below most - 80 become exp(-80). `size` is a multiple of kPairLanes.
 void exponentials(float* values, std::size_t size, float most);
 
-/// The scalar product of vectors of `size` entries, a multiple of kPairLanes.
+/// The scalar product of two vectors of `size` entries; `size` is a multiple of kPairLanes.
 [[nodiscard]] float scalar_product(const float* x, const float* y, std::size_t size);
 
 /// Number of vectors in one tile of `products_with_tile`.

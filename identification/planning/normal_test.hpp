@@ -1,4 +1,4 @@
-// Evidences for the number and the places of damages, for a test with normally distributed data.
+// Evidences for the number and places of defects, for a test with normally distributed data.
 #pragma once
 
 #include <memory>
@@ -14,45 +14,45 @@ namespace wheeltap::identification::planning {
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(place | one defect of the kind)
-  /// Data × (S + 1): change of the mean data from the intact structure, in standard deviations, at
-  /// the quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
+  /// Data × (S + 1): mean data minus those of the intact structure, in standard deviations, at the
+  /// quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
 };
 
-/// The interaction of two defects at the typical nodes of their places: the change of the data due
-/// to both defects, minus the changes due to each defect alone.
+/// The interaction of two defects at the typical nodes of their places: the change of the mean data
+/// due to both defects together, minus the changes due to each defect alone.
 struct NormalInteraction {
   int a = 0, b = 0;  ///< places, a < b
   Eigen::VectorXd data;
 };
 
-/// The node that represents the direction of a place: the middle node.
+/// Returns the node that represents the direction of a place: the middle one.
 [[nodiscard]] constexpr Eigen::Index typical_node(Eigen::Index nodes) {
   return nodes > 2 ? nodes / 2 : nodes - 1;
 }
 
-/// Number of defects of each kind (at most two in total), and the prior probability of this
-/// combination.
+/// Number of defects of each kind (at most two in total), and the prior probability of these
+/// numbers.
 struct NormalModel {
   std::vector<int> counts;
   double prior = 0.0;
 };
 
-/// A test whose data y - y₀ have mean 0 (intact), Δ_a(s) (one defect) or
+/// A test whose data y - y₀ have the mean 0 (intact), Δ_a(s) (one defect) or
 ///
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
-/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along its
-/// typical node, 1 at that node; I_ab is the interaction. p ~ U(0, 1) is the prior cumulative
-/// probability of severity s; Δ_a is linear between nodes. Then
+/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along the
+/// typical node of place a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1) is the
+/// prior cumulative probability of severity s; Δ_a is linear between nodes. Then
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// where each integral is normal, has a closed form, and is exact for piecewise linear Δ_a. For
-/// two defects, the integral over p and q uses the slopes at the best (p, q), with quadrature
-/// along p and a closed form along q. Two defects at one place are not considered. The sum over
-/// pairs (a, b) uses `pairs` pairs: those with the largest approximate weights, and a systematic
-/// sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// where each integrand is normal in p, so that the integral has a closed form (exact for piecewise
+/// linear Δ_a). For two defects, the integral over p and q uses the slopes at the best (p, q), with
+/// quadrature along p and a closed form along q. NormalTest does not consider two defects at one
+/// place. The sum over pairs (a, b) uses `pairs` pairs: those with the largest approximate weights,
+/// and a systematic sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
   /// Throws std::invalid_argument if a model has more than two defects, no model is
@@ -63,9 +63,9 @@ class NormalTest {
 
   struct Pair {
     int a = 0, b = 0;         ///< places; a < b if they are of one kind
-    double log_weight = 0.0;  ///< ln p(y, a, b | model) / p(y | intact), with the sampling weight
+    double log_weight = 0.0;  ///< ln [p(y, a, b | model) / p(y | intact)], with sampling weight
   };
-  /// The evidences for one data vector, relative to the evidence of the intact structure.
+  /// The evidences for one data vector, divided by the evidence of the intact structure.
   struct Answer {
     std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
     std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
@@ -76,15 +76,15 @@ class NormalTest {
     double log_odds = 0.0;
   };
 
-  /// Data of one test and their products with the nodes, as input of `answer`. Holds pointers
-  /// to both arrays.
+  /// Data of one test and their scalar products with the nodes, as input of `answer`. Points to
+  /// both arrays.
   struct Measured {
     const double* data = nullptr;
     const double* products = nullptr;
   };
-  /// Products of the columns of `data` with all nodes.
+  /// Scalar products of the columns of `data` with all nodes.
   [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& data) const;
-  /// Computes the evidences; reuses the memory of `out`.
+  /// Computes the evidences for one test; reuses the memory of `out`.
   void answer(const Measured& measured, Answer& out) const;
   /// ln p(y | a, b) / p(y | intact) for two defects.
   [[nodiscard]] double log_pair(const Measured& measured, int a, int b) const;
@@ -99,8 +99,8 @@ class NormalTest {
 
   /// The curve through the nodes of a place is about c v + α c (c - τ) w: v is the typical
   /// direction, c the component along v, and w the unit vector normal to v in which the nodes
-  /// deviate most. The weights `of_nodes` give w as a sum of the nodes (zero for a straight line).
-  /// A node deviates from the straight line by at most c · slope, and from this curve by c · rest.
+  /// deviate most. w is a sum of the nodes with weights `of_nodes` (zero for a straight line). A
+  /// node deviates from the straight line by at most c · slope, and from this curve by c · rest.
   struct Bend {
     Eigen::VectorXd of_nodes;
     double slope = 0.0, alpha = 0.0, tau = 0.0, rest = 0.0;
@@ -111,13 +111,13 @@ class NormalTest {
   struct Position;
 
   [[nodiscard]] std::shared_ptr<const PairList> list_pairs(const std::vector<int>& kinds) const;
-  /// Scalar products of the typical direction and the bend of all places, 2 columns per place.
+  /// Scalar products of all typical directions v and bends w: 2 columns per place.
   [[nodiscard]] Eigen::MatrixXd directions_gram() const;
   void set_interactions(const std::vector<NormalInteraction>& interactions);
   [[nodiscard]] double log_place(const double* products, int a) const;
   [[nodiscard]] double interaction_product(const float* data, Eigen::Index column) const;
   [[nodiscard]] Position position(const double* products, int place, double p) const;
-  /// Quadratic exponent of a pair about its best severities; coordinates in units of segments.
+  /// Quadratic exponent of a pair about its best severities; coordinates are in segments.
   struct Fit {
     Quadratic q;
     Rectangle r;
@@ -142,7 +142,7 @@ class NormalTest {
   int intact_ = -1;
   std::size_t most_pairs_;
   Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
-  std::vector<double> tiles_;                           // nodes, for products_with_tile
+  std::vector<double> tiles_;                           // `nodes_` in tiles, for products_with_tile
   Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
   std::vector<Eigen::Index> first_;                     // first node of each place, and the end
   std::vector<double> squares_;                         // |node|²
@@ -151,7 +151,7 @@ class NormalTest {
   std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
   std::vector<std::vector<double>> along_;              // nodes projected on the typical node
   std::vector<Bend> bends_;                             // per place
-  std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
+  std::vector<std::shared_ptr<const PairList>> pairs_;  // per model; may be null
   /// Data, padded with zeros, × pairs with an interaction; single precision saves memory traffic
   Eigen::MatrixXf interactions_;
   Eigen::MatrixXi column_of_;                   // per pair of places; -1: no interaction

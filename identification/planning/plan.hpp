@@ -1,5 +1,5 @@
-// A plan of a modal test: detectable damage of designs, choice of sensors, and value of further
-// sensors, modes or records.
+// A plan of a modal test: detectable damage for each design, choice of sensors, and value of
+// further sensors, modes or records.
 //
 // Data flow: case -> modes of the structure with one defect at every place (exact reanalysis) ->
 // normal data of a design -> evidences of simulated tests -> scores -> choice of sensors ->
@@ -22,23 +22,23 @@ struct PlanCase {
   DamageCase damage_case = {};
   PlannedStructureOptions structure = {};
   TestNoise noise = {};
-  int choose = 0;  ///< number of sensors; fewer than 2: frequencies alone
+  int choose = 0;  ///< number of sensors; fewer than 2: frequencies only
   double false_alarm = 0.05;
-  double tolerance = 0.05;                  ///< tolerance of a correct place [m]
-  std::vector<double> record_lengths = {};  ///< further record lengths [s]
+  double tolerance = 0.05;                  ///< largest location error of a correct place [m]
+  std::vector<double> record_lengths = {};  ///< further record lengths to compare [s]
   std::optional<TestCosts> costs = {};
-  std::vector<std::vector<int>> layouts = {};  ///< layouts of the user, for comparison
+  std::vector<std::vector<int>> layouts = {};  ///< the user's sensor layouts, for comparison
 };
 
 struct PlanOptions {
-  int scenarios = 100'000;  ///< number of simulated tests for the ten best designs
+  int scenarios = 100'000;  ///< number of simulated tests for each of the ten best designs
   std::uint64_t seed = 1;
   int threads = 1;
   int tests_per_place = 100;
   std::function<void(const char* stage, double fraction)> progress = {};
 };
 
-/// A design with its scores.
+/// A test design with its scores.
 struct ScoredDesign {
   std::string name;  ///< criterion or variation: "effective independence", "9 modes"
   TestDesign design = {};
@@ -50,36 +50,36 @@ struct ScoredDesign {
 struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
-  double shape_sd = 0.0;  ///< median over the modes
-  /// Median sd of shape entries for a largest entry of 1 over the sensors of the best design.
+  double shape_sd = 0.0;  ///< sd of shape entries: median over the modes
+  /// The same median if the largest entry over the sensors of the best design is 1.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
-  double probability_damaged = 0.0;  ///< prior probability of damage
-  /// Designs of the search, by the probability of the right count and place, best first. A
-  /// classical layout that is better than all these designs comes first.
+  double probability_damaged = 0.0;  ///< prior probability of at least one defect
+  /// Designs that the search found, sorted by the probability of the right count and place, best
+  /// first. A classical layout that is better than all of them precedes them.
   std::vector<ScoredDesign> designs;
-  std::vector<ScoredDesign> others;  ///< designs by other criteria, and layouts of the user
+  std::vector<ScoredDesign> others;  ///< designs by other criteria, and the user's layouts
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
-  std::vector<ScoredDesign> by_sensors;                    ///< first n sensors of the greedy search
+  std::vector<ScoredDesign> by_sensors;                    ///< first sensors of the greedy search
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
-  /// Detection at each place, for the best design
+  /// Probabilities of detection at each place, for the best design
   std::vector<PlaceDetection> places;
   /// Confused places and their separation: for the best design and, with suffix `alone`, for a test
   /// that measures frequencies only
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
-  /// Root mean square difference between the data of two simulated defects and the model of
-  /// NormalTest, in standard errors per datum: median and 90 % quantile.
+  /// Root mean square difference per datum, in standard errors, between the mean data for two
+  /// simulated defects and those of NormalTest: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// The same differences for unknown coefficients, whose effect the plan assumes to be linear.
+  /// These differences for unknown coefficients, whose effect the plan assumes to be linear.
   double unknown_median = 0.0, unknown_high = 0.0;
-  std::vector<TestOption> options;  ///< compared tests, if the case has costs
+  std::vector<TestOption> options;  ///< tests that are compared, if the case has costs
   std::optional<ValueFindings> value;
 };
 
-/// Smallest number of simulated tests of a design that is compared with the recommended design.
+/// Smallest number of simulated tests for a design that is compared with the recommended design.
 inline constexpr int kFewestVariationTests = 1000;
 /// Number of simulated tests for each variation of the recommended design.
 [[nodiscard]] constexpr int variation_tests(int scenarios) {
@@ -88,7 +88,7 @@ inline constexpr int kFewestVariationTests = 1000;
 
 struct PlanCheck {
   double largest_cov = 0.0;  ///< largest relative standard deviation of a measured frequency
-  int models = 0;            ///< number of counts with a positive prior probability
+  int models = 0;            ///< number of defect counts with a positive prior probability
 };
 /// Checks a case without simulating tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] PlanCheck check_plan(const PlanCase& plan);
@@ -109,15 +109,15 @@ class PlanModel {
   ScenarioSource source_;
 };
 
-/// Estimates the processor time of make_plan [s] from the times of one model and of some simulated
-/// tests. Throws InvalidInput as PlanModel does.
+/// Estimates the processor time of make_plan [s] from measured times of one PlanModel and some
+/// simulated tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
-/// Chooses sensors for the case, with fewer places and severities than PlanModel uses.
+/// Chooses sensors for the case, from fewer places and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
-/// Throws InvalidInput for a case that cannot be planned: with more than two simultaneous defects,
-/// without the intact structure, or with the intact structure only.
+/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, without
+/// the intact structure, or with the intact structure only.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

@@ -19,9 +19,9 @@ struct AddedMass {
   AnyStructure structure;  ///< structure with the mass
 };
 
-/// The modes that a test measures.
+/// Predicted values of the modes that a test measures.
 struct TestModes {
-  Eigen::VectorXd log_frequencies;  ///< ln f, each mode identified by its shape
+  Eigen::VectorXd log_frequencies;  ///< ln f of each mode, identified by its shape
   Eigen::VectorXd in_order;         ///< ln f of the same number of modes, ascending
   /// Candidate sensors × modes, mass-normalised. Measured modes come first, then unmeasured modes
   /// that are close to a measured mode.
@@ -29,37 +29,37 @@ struct TestModes {
   Eigen::MatrixXd with_mass;  ///< modes × added masses: ln f, ascending
 };
 
-/// A possible place of a defect: one cell of its kind's line, or several adjacent cells.
+/// A possible place of a defect: one cell on the line of its kind, or several adjacent cells.
 struct TestPlace {
   int kind = 0;
-  double location = 0.0;          ///< location of the predicted defect on the kind's line
+  double location = 0.0;          ///< position on the kind's line at which the defect is predicted
   double from = 0.0, to = 0.0;    ///< interval on the kind's line
-  int stretch = 0;                ///< index of the stretch in the line
+  int stretch = 0;                ///< index of the stretch of the line
   double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
   double prior = 0.0;             ///< P(place | one defect of the kind)
   std::string name = {};          ///< "beam at 0.25 m"
 };
 
 struct PlannedStructureOptions {
-  /// Largest number of modes: the lowest elastic modes in the band
+  /// Largest number of measured modes: the lowest elastic modes in the band
   int modes = 10;
   double low_hz = 0.0, high_hz = 1e300;  ///< frequency band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
-  int most_places = 120;  ///< adjacent cells are joined if there are more places
+  int most_places = 120;  ///< if there are more places, adjacent cells are joined
   /// Structure with unknown coefficients, each with a prior; null: all coefficients are known.
   std::shared_ptr<const StructureModel> unknown = {};
-  bool uniform = false;  ///< every unknown coefficient acts on the whole structure
+  bool uniform = false;  ///< true: all unknown coefficients act on the whole structure
 };
 
 /// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
 /// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
-/// MAC + |Δ ln f| / 2). A small change of stiffness mixes close modes (ModalLikelihood); for close
-/// modes, only frequencies are used, in ascending order.
+/// MAC + |Δ ln f| / 2). A small change of stiffness mixes closely spaced modes (ModalLikelihood);
+/// only their frequencies are used, in ascending order.
 ///
-/// Unknown coefficients have values at the standard normal coordinates z of their priors; z = 0 are
-/// the medians. Simulated tests use kDraws structures with z from a Latin hypercube (McKay, Beckman
-/// & Conover 1979, Technometrics 21:239).
+/// z are the standard normal coordinates of the priors of unknown coefficients; z = 0 means the
+/// medians. Simulated tests use kDraws structures with z from a Latin hypercube (McKay, Beckman &
+/// Conover 1979, Technometrics 21:239).
 class PlannedStructure {
  public:
   /// Throws InvalidInput if no mode is in the band, if a kind of defect has an unknown extent or
@@ -71,12 +71,12 @@ class PlannedStructure {
   class Solver {
    public:
     explicit Solver(const PlannedStructure& structure);
-    /// Returns false if the structure is impossible with these defects. `draw`: index of a draw
-    /// of the unknown coefficients; -1: the medians.
+    /// Returns false if the structure is impossible with these defects. `draw` is the index of a
+    /// draw of the unknown coefficients; -1: their medians.
     bool predict(const std::vector<PlacedDefect>& defects, TestModes& out, int draw = -1);
 
    private:
-    std::vector<std::unique_ptr<ForwardModel::Solver>> draws_;  // null until used
+    std::vector<std::unique_ptr<ForwardModel::Solver>> draws_;  // null until first use
     const PlannedStructure& structure_;
     std::unique_ptr<ForwardModel::Solver> solver_;
     std::vector<std::unique_ptr<ForwardModel::Solver>> with_mass_;
@@ -95,9 +95,9 @@ class PlannedStructure {
   static constexpr int kDraws = 32;
   /// Number of unknown coefficients.
   [[nodiscard]] int unknowns() const;
-  /// z of a draw: the coordinate of each unknown coefficient.
+  /// z of a draw: the standard normal coordinate of each unknown coefficient.
   [[nodiscard]] Eigen::VectorXd unknown_draw(int draw) const { return z_.col(draw); }
-  /// Modes of the intact structure with one coefficient at z = 1 and at z = -1.
+  /// Modes of the intact structure with one unknown coefficient at z = 1 and at z = -1.
   struct Steps {
     TestModes above, below;
   };
@@ -107,14 +107,14 @@ class PlannedStructure {
   [[nodiscard]] Eigen::MatrixXd intact_shapes() const { return intact_.shapes.leftCols(modes()); }
   /// Number of measured modes.
   [[nodiscard]] int modes() const { return static_cast<int>(chosen_.size()); }
-  /// Indices of the measured elastic modes, from 0.
+  /// Indices of the measured modes among the elastic modes, from 0.
   [[nodiscard]] const std::vector<int>& chosen() const { return chosen_; }
   [[nodiscard]] std::vector<double> frequencies_hz() const;
-  /// True if the shape of the mode is used; false for close modes.
+  /// True if the shape of the mode is used; false for closely spaced modes.
   [[nodiscard]] bool has_shape(int mode) const {
     return close_[static_cast<std::size_t>(mode)] < 0;
   }
-  /// Rotation of a mode by model errors: the other mode (-1: none), and the sd of the angle.
+  /// Rotation of a mode by model errors towards another mode (-1: none), and the sd of the angle.
   struct Turn {
     int mode = -1;
     double tau = 0.0;

@@ -15,13 +15,13 @@ namespace wheeltap::identification::planning {
 struct Scenario {
   TestTruth truth;
   std::vector<PlacedDefect> defects;
-  int draw = -1;  ///< draw of the unknown coefficients; -1: all are known
+  int draw = -1;  ///< index of the draw of unknown coefficients; -1: all are known
   TestModes modes;
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. Seed and number determine a draw. Draw number n
-/// has the model n modulo the number of models.
+/// Draws true damage from the priors, and noise. The seed and the number of a draw determine its
+/// values. Draw n has the model n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
@@ -32,7 +32,7 @@ class ScenarioSource {
   [[nodiscard]] Scenario draw(std::uint64_t number, PlannedStructure::Solver& solver) const;
   /// Draws the scenarios first … first + count - 1, in parallel.
   [[nodiscard]] std::vector<Scenario> draw(std::uint64_t first, int count, int threads) const;
-  /// The spans of all places of the structure, as input of TestScorer.
+  /// The intervals of all places of the structure, as input of TestScorer.
   [[nodiscard]] std::vector<PlaceSpan> spans() const;
 
  private:
@@ -41,7 +41,7 @@ class ScenarioSource {
   std::vector<NormalModel> models_;
 };
 
-/// A design with its data model and its normal test.
+/// A design with its TestData and its NormalTest.
 struct PreparedDesign {
   TestData data;
   NormalTest test;
@@ -50,8 +50,8 @@ struct PreparedDesign {
                                      const PlacePredictions& predictions, const TestNoise& noise,
                                      const TestDesign& design);
 
-/// The outcomes of simulated tests of a design. All designs use the same true damage and the same
-/// random numbers.
+/// The outcomes of simulated tests of a design. True damage and random numbers are the same for all
+/// designs.
 [[nodiscard]] std::vector<TestOutcome> simulate_tests(const ScenarioSource& source,
                                                       const PreparedDesign& design,
                                                       std::span<const Scenario> scenarios,
@@ -60,12 +60,12 @@ struct PreparedDesign {
 struct ScoringOptions {
   int scenarios = 100'000;
   double false_alarm = 0.05;
-  double tolerance = 0.05;  ///< tolerance of a correct place [m]
+  double tolerance = 0.05;  ///< largest location error of a correct place [m]
   int threads = 1;
   std::function<void(double fraction)> progress = {};
 };
 
-/// Scores designs with the same scenarios, from number `first` on.
+/// Scores all designs with the same scenarios, which begin with number `first`.
 [[nodiscard]] std::vector<TestScores> score_designs(
     const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
     const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);

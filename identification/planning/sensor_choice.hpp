@@ -1,5 +1,5 @@
-// Choice of sensors by the probability of the right count and place, and by classical criteria for
-// comparison.
+// Choice of sensors by the probability that count and place of the damage are right, and by
+// classical criteria for comparison.
 #pragma once
 
 #include <functional>
@@ -17,21 +17,21 @@ struct ChoiceOptions {
   int first_scenarios = 128;  ///< number of scenarios at the start of a comparison
   int most_scenarios = 4096;  ///< number of scenarios at the end of a comparison
   int keep = 10;              ///< number of designs in the result
-  int exhaustive = 1000;      ///< largest number of designs for an exhaustive comparison
+  int exhaustive = 1000;      ///< up to this number of designs, all are compared
   std::function<void(double fraction)> progress = {};
 };
 
-/// The score of one simulated test in the choice of sensors. With S = P(true count and, within the
-/// tolerance, true places | y),
+/// The score of one simulated test in the choice of sensors. With S = P(true count, and all places
+/// true within the tolerance | y),
 ///
 ///   H = S² / (S² + (1 - S)²).
 ///
-/// S > 1/2 implies that the most probable count and sites are true, and that the median
-/// locations are within the tolerance. H is a smooth form of this event. The mean of H needs
-/// fewer simulated tests than the mean of the event.
+/// S > 1/2 implies that the most probable count and sites are true, and that the median locations
+/// are within the tolerance. H is a smooth approximation of the indicator of this event. The mean
+/// of H needs fewer simulated tests than the frequency of the event.
 [[nodiscard]] double location_score(const TestOutcome& outcome);
 
-/// A design with its mean location score, given at least one defect.
+/// A design with its mean location score in tests with at least one defect.
 struct RankedDesign {
   TestDesign design;
   TestEstimate score;
@@ -51,10 +51,10 @@ struct SensorChoice {
 /// standard errors of the difference are removed. For the other designs, the number of scenarios
 /// doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all designs are
 /// compared. Otherwise, a greedy search begins with the best pair of sensors (of all pairs, or of
-/// 120 if there are more) and adds one sensor at a time. Three designs are then improved: this
-/// design and the layouts by effective independence and kinetic energy. The search removes the
-/// least useful sensor and adds the best other sensor, until the design no longer improves.
-/// Finally, single sensors of the best of the three designs are exchanged, until no exchange
+/// 120 if there are more) and adds one sensor at a time. Three designs are then improved: the
+/// greedy design, and the layouts by effective independence and by kinetic energy. The search
+/// removes the least useful sensor and adds the best other sensor, until the design no longer
+/// improves. Finally, single sensors of the best of the three are exchanged, until no exchange
 /// improves it. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
@@ -62,14 +62,14 @@ struct SensorChoice {
 
 /// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): the candidate with the
 /// smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ is removed until `count` sensors remain. With fewer
-/// sensors than modes, the pseudo-inverse gives equal entries. Then the sensor with the smallest
-/// contribution to the determinant of Φ Φᵀ is removed.
+/// sensors than modes, the pseudo-inverse gives equal entries; then the sensor that contributes
+/// least to the determinant of Φ Φᵀ is removed.
 [[nodiscard]] std::vector<int> effective_independence(const Eigen::MatrixXd& shapes, int count);
 
-/// The `count` sensors with the largest Σ φ² over the modes, for shapes scaled to unit length.
+/// Returns `count` sensors with the largest Σ φ² over the modes; shapes have unit length.
 [[nodiscard]] std::vector<int> kinetic_energy(const Eigen::MatrixXd& shapes, int count);
 
-/// Reproducible random layouts.
+/// Draws random sensor layouts, reproducible by the seed.
 [[nodiscard]] std::vector<std::vector<int>> random_layouts(int candidates, int count, int layouts,
                                                            std::uint64_t seed);
 

@@ -8,8 +8,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// A design: the sensors that measure shapes (none or one: frequencies only), and the added mass of
-/// a second state (-1: none). In the second state, only frequencies are measured.
+/// A design: the sensors that measure shapes (with fewer than two, only frequencies are measured),
+/// and the added mass of a second state (-1: none). In this state, only frequencies are measured.
 struct TestDesign {
   std::vector<int> sensors = {};
   int mass = -1;
@@ -23,17 +23,17 @@ struct TestDesign {
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// The sd of shape entries, for a largest entry of 1 over all candidate sensors, is given for
-/// `reference_seconds` and is proportional to 1/√T, as in this formula.
+/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1. It
+/// is given for T = `reference_seconds`, and is proportional to 1/√T.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
-  double cov = 0.0;  ///< > 0: replaces the formula
+  double cov = 0.0;  ///< if > 0, it replaces the formula
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
   /// Values for each measured mode, which replace `cov` and `shape_sd`; the last value applies to
-  /// all further modes. Empty: equal values.
+  /// all further modes. Empty: `cov` and `shape_sd` apply to all modes.
   std::vector<double> covs = {}, shape_sds = {};
 
   /// True if the case gives the coefficients of variation of the frequencies.
@@ -45,7 +45,7 @@ struct TestNoise {
 /// Standard normal numbers of one simulated test, the same for every design.
 struct TestNumbers {
   Eigen::VectorXd frequencies, with_mass;  ///< one value per mode
-  Eigen::VectorXd turns;   ///< per mode: angle towards a close mode, divided by its sd τ
+  Eigen::VectorXd turns;   ///< per mode: rotation angle towards a close mode, divided by its sd τ
   Eigen::MatrixXd shapes;  ///< candidates × modes
 
   [[nodiscard]] static TestNumbers draw(const PlannedStructure& structure, std::uint64_t seed,
@@ -56,23 +56,23 @@ struct TestNumbers {
 /// cov. Shapes: κ (û - û₀) with the unit vector û = φ_S / |φ_S| at the sensors S, with the sign of
 /// û₀, and κ = |φ₀| / (sd M), M = max |φ₀| over all candidates. For small angles, |κ (û - û')|² is
 /// the χ² of ShapeDensity. Model errors may rotate a shape towards a close mode, with the sd τ of
-/// the angle. In this direction, the data are divided by √(1 + (κ τ |w|)²), with w the component of
-/// the close mode's shape normal to û₀, relative to φ₀.
+/// the angle. In the direction of this rotation, the data are divided by √(1 + (κ τ |w|)²), with w
+/// the component of the close mode's shape normal to û₀, divided by |φ₀|.
 ///
 /// Unknown coefficients add J z to the data, z ~ N(0, I), with the columns of J from differences
-/// between z = 1 and z = -1. With their prior, the data have the covariance I + J Jᵀ. The last step
-/// multiplies the data by (I + J Jᵀ)^(-1/2).
+/// between z = 1 and z = -1. With this prior of z, the data have the covariance I + J Jᵀ. The last
+/// step multiplies the data by (I + J Jᵀ)^(-1/2).
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
 
   [[nodiscard]] Eigen::Index size() const { return size_; }
   [[nodiscard]] const TestDesign& design() const { return design_; }
-  /// Mean data for these modes.
+  /// Writes the mean data for these modes to `out`.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
-  /// Effect of unknown coefficients with the coordinates z on the mean data, linear in z.
+  /// Change of the mean data by unknown coefficients with the coordinates z, linear in z.
   [[nodiscard]] Eigen::VectorXd unknown_effect(const Eigen::VectorXd& z) const;
-  /// Simulated data of a test with these modes.
+  /// Writes the simulated data of a test with these modes to `out`.
   void measured(const TestModes& modes, const TestNumbers& numbers,
                 Eigen::Ref<Eigen::VectorXd> out) const;
   /// The measured shape (sensors) of a mode; its largest entry over all candidates is 1 before the
@@ -87,11 +87,11 @@ class TestData {
  private:
   struct Shape {
     int mode = 0;
-    Eigen::Index first = 0;  // index of its first datum
+    Eigen::Index first = 0;  // index of the mode's first datum
     double kappa = 0.0;
     Eigen::VectorXd unit;    // û₀
     Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
-    double shrink = 1.0;     // factor on the data in this direction
+    double shrink = 1.0;     // factor by which the data in this direction are multiplied
   };
   void take_shapes();
   void whiten_unknowns();
@@ -110,11 +110,11 @@ class TestData {
   Eigen::Index size_ = 0;
 };
 
-/// Predicted modes at every place, at the quantiles i/S of the severity's prior.
+/// Predicted modes for a defect at every place, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
   std::vector<std::vector<TestModes>> modes;    ///< modes for each place and each quantile
   std::vector<std::vector<double>> severities;  ///< severity per place and quantile
-  /// Two defects at the middle quantiles, for every possible pair of places.
+  /// Two defects with severities at the middle quantiles, for every possible pair of places.
   struct Pair {
     int a = 0, b = 0;  ///< places, a < b
     TestModes modes;
@@ -122,15 +122,15 @@ struct PlacePredictions {
   std::vector<Pair> pairs = {};
 };
 
-/// Predicts in parallel. `segments`: S, for unknown severities. If a structure is impossible, the
-/// prediction at the next lower quantile replaces it.
+/// Predicts the modes in parallel. `segments` is S, for unknown severities. If a structure is
+/// impossible, the prediction at the next lower quantile is used.
 [[nodiscard]] PlacePredictions predict_places(const PlannedStructure& structure, int segments,
                                               int threads);
 
-/// The models for the counts of the case, with at most two defects.
+/// The models for all defect counts of the case, with at most two defects in total.
 [[nodiscard]] std::vector<NormalModel> count_models(const std::vector<DefectKind>& kinds);
 
-/// The normal test of a design.
+/// Makes the NormalTest of a design.
 [[nodiscard]] NormalTest make_normal_test(const PlannedStructure& structure,
                                           const PlacePredictions& predictions,
                                           const TestData& data);

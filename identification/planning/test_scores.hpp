@@ -16,7 +16,7 @@ struct PlaceSpan {
   double start = 0.0, end = 0.0;
 };
 
-/// The truth of a simulated test.
+/// The true defects of a simulated test.
 struct TestTruth {
   struct Defect {
     int place = 0;
@@ -24,20 +24,20 @@ struct TestTruth {
     double severity = 0.0;
   };
   int model = 0;
-  std::vector<Defect> defects = {};  ///< sorted by kind, then along the line
+  std::vector<Defect> defects = {};  ///< sorted by kind, then by location
 };
 
 /// The outcome of one simulated test.
 struct TestOutcome {
   int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
-  /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
-  /// ε = kFloor. For any q, the mean of this score is a lower bound of the expected information
-  /// (Barber & Agakov 2003, NIPS 16). With exact evidences, the mean is too low by at most -ln(1 -
-  /// ε). The floor ε limits the effect of tests with wrong approximate evidences.
+  /// ln q(count, place | y) / p(count, place) for the true defects, with q = (1 - ε) p(… | y) + ε
+  /// p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
+  /// information (Barber & Agakov 2003, NIPS 16). With exact evidences, this bound is too low by at
+  /// most -ln(1 - ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
-  bool right = false;  ///< true if the most probable number and all locations are right
-  /// P(true number, and every location within the tolerance of its true location | y).
+  bool right = false;  ///< true if the most probable count and all places are right
+  /// P(true number of defects, and every location true within the tolerance | y).
   double located = 0.0;
 };
 
@@ -79,27 +79,27 @@ struct TestScores {
                              ///< models as weights
   TestEstimate detection;    ///< P(detected | at least one defect)
   TestEstimate right_place;  ///< P(detected, and count and places right | at least one defect)
-  double threshold = 0.0;    ///< threshold of the log odds of damage
-  std::vector<TestEstimate> detection_by_model;  ///< NaN for the intact structure
-  /// P(detected | at least one defect) at ascending false-alarm probabilities.
+  double threshold = 0.0;    ///< log odds of damage above which a test detects damage
+  std::vector<TestEstimate> detection_by_model;  ///< P(detected | model); NaN if intact
+  /// P(detected | at least one defect) as a function of the false-alarm probability, ascending.
   struct Operating {
     double false_alarm = 0.0, detection = 0.0;
   };
   std::vector<Operating> operating;
   /// A threshold from one half of the tests, and probabilities at this threshold in the same half
   /// (`chosen`) and in the other half (`tested`), with variances. The probabilities in the other
-  /// half have no bias from the choice of the threshold.
+  /// half are not biased by the choice of the threshold.
   struct HeldOut {
     Operating chosen, tested, variance;
   };
-  /// Thresholds of each half; empty lists if a half has no tests of a model.
+  /// Thresholds chosen from each half; both lists are empty if a half has no tests of a model.
   std::array<std::vector<HeldOut>, 2> halves;
 };
 
-/// Scores of a design, from tests simulated from each model with a positive prior. A test detects
-/// damage if its log odds exceed the (1 - `false_alarm`) quantile of the log odds of intact tests.
-/// The standard errors include the error of the threshold. With R the detection probability as a
-/// function of the false-alarm probability α,
+/// Computes the scores of a design from tests that were simulated for each model with a positive
+/// prior. A test detects damage if its log odds exceed the (1 - `false_alarm`) quantile of the log
+/// odds of intact tests. The standard errors include the error of the threshold. With P = R(α), the
+/// detection probability as a function of the false-alarm probability,
 ///
 ///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.
 ///

@@ -1,4 +1,4 @@
-// Value of the information from a test, for given costs.
+// Value of the information that a test gives, for given costs.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace wheeltap::identification::planning {
 /// Costs, all in the same currency.
 struct TestCosts {
   double sensor = 0.0;                  ///< cost per sensor used
-  std::vector<double> of_sensors = {};  ///< cost of each candidate; replaces `sensor`
+  std::vector<double> of_sensors = {};  ///< cost of a sensor at each candidate; replaces `sensor`
   double hour = 0.0;                    ///< cost per hour of record
   double added_mass = 0.0;              ///< cost of a second state with an added mass
   double inspection = 0.0;              ///< cost of an inspection, which finds any damage
@@ -19,7 +19,7 @@ struct TestCosts {
   double false_alarm = 0.0;             ///< cost of a false alarm, not including the inspection
 };
 
-/// A possible test.
+/// A possible test, with its scores.
 struct TestOption {
   std::string name;  ///< "4 sensors, 600 s"
   std::vector<int> sensors;
@@ -29,15 +29,15 @@ struct TestOption {
 };
 
 /// The decision rule after a test: inspect if the test raises an alarm. With π = P(at least one
-/// damage) and the operating curve P(α) of the test, its expected cost is
+/// damage) and P(α) = P(alarm | damage) at the false-alarm probability α, the expected cost is
 ///
 ///   C = c_test + min over α of π (P(α) c_inspection + (1 - P(α)) c_missed)
 ///                           + (1 - π) α (c_inspection + c_false alarm),
 ///
 /// and without a test C₀ = min(π c_missed, c_inspection + (1 - π) c_false alarm). The saving C₀ - C
 /// is the value of the information minus the cost of the test (Straub 2014, Struct. Saf. 49:75).
-/// Each half of the simulated tests chooses α, and the other half estimates C; the saving is the
-/// mean of both. An estimate from the tests that chose α would be too large.
+/// Each half of the simulated tests determines α, and the other half estimates C; the saving is the
+/// mean of both. If the same tests determined α, the estimate would be too large.
 struct TestValue {
   double saving = 0.0, mcse = 0.0;
   double test_cost = 0.0;
@@ -46,7 +46,7 @@ struct TestValue {
 };
 [[nodiscard]] TestValue value_of(const TestOption& option, const TestCosts& costs, double damaged);
 
-/// The best option if one cost changes.
+/// The best option after a change of one cost.
 struct CostSensitivity {
   std::string cost;  ///< "missed"
   double factor = 1.0;
@@ -55,11 +55,11 @@ struct CostSensitivity {
 };
 struct ValueFindings {
   double without_test = 0.0;  ///< C₀
-  /// True if the best decision without a test is to inspect
+  /// True if, without a test, inspection is the best decision
   bool inspects_without = false;
   std::vector<TestValue> values;  ///< one per option
   int best = -1;                  ///< index of the option; -1: no test reduces the expected cost
-  std::vector<CostSensitivity> sensitivity;  ///< best options with each cost halved and doubled
+  std::vector<CostSensitivity> sensitivity;  ///< best option with each cost halved, and doubled
 };
 [[nodiscard]] ValueFindings find_values(const std::vector<TestOption>& options,
                                         const TestCosts& costs, double damaged);

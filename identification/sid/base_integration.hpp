@@ -19,7 +19,7 @@ namespace wheeltap::identification {
 /// window remove this trend from the response relative to the base. Without a displacement
 /// response, p₁ and p₂ follow from velocities and p₀ has no effect. The fit also removes slow drift
 /// of the structure. SidCase::beyond is cleared, because the polynomial is not valid after the
-/// window. Throws InvalidInput (channel) if a scale or offset of these channels is a parameter.
+/// window. Throws InvalidInput (channel) if a scale or offset of a used channel is a parameter.
 void integrate_base(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

@@ -1,7 +1,7 @@
 // Discovery of force laws: every subset of a list of terms is a model.
 //
-// Each of T terms is included with prior probability p, independently of the other terms. The model
-// of subset S then has the prior probability
+// A priori, each of T terms is included with probability p, independently of the other terms. The
+// model of subset S then has the prior probability
 //
 //   P(S) = p^|S| (1 - p)^(T - |S|).
 //
@@ -17,7 +17,7 @@
 namespace wheeltap::identification {
 
 /// Largest number of terms, which gives 2^10 models. Each model needs a search for its posterior
-/// modes, so more terms would take hours instead of minutes.
+/// modes, so that more terms would take hours instead of minutes.
 inline constexpr std::size_t kMostTerms = 10;
 
 /// Name of a term: "cubic", "contact closing", or "cubic 0-1" if `several` links have optional
@@ -30,40 +30,40 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
-/// Replaces the only model by one model per subset of the terms. The previous model becomes the
-/// model of the empty subset. Subsets with fewer terms come first. Names list the base and the
-/// terms: "linear + cubic + coulomb". Throws InvalidInput (models) unless there is one model and at
-/// most kMostTerms terms.
+/// Replaces the single model of the case by one model per subset of the terms; this single model
+/// becomes the model of the empty subset. Subsets with fewer terms come first. Names list the base
+/// and the terms: "linear + cubic + coulomb". Throws InvalidInput (models) unless there is one
+/// model and at most kMostTerms terms.
 void add_subsets(SidCase& sid_case);
 
 /// Estimates the motion of the base model's links from the record. The spectra of the responses
-/// give displacement, velocity and acceleration, in the band with 99 % of the displacement's power.
-/// A mass without a sensor gets the motion of the mass with the largest motion. In this band, the
-/// tension of a link balances the inertia forces and the external forces of the masses that the
-/// link connects to the ground. The RMS values of these forces are added in quadrature. For a link
-/// in a loop, the larger of the values at its two ends is used. The largest extension is measured.
-/// Without a measured displacement, the largest extension is three times the RMS extension. Throws
+/// give displacement, velocity and acceleration in the band with 99 % of the displacement's power.
+/// A mass without a sensor is assigned the largest motion of the measured masses. The tension of a
+/// link balances, in this band, the inertia forces and external forces of the masses that the link
+/// connects to the ground. The squares of the RMS values of these forces are added. For a link in a
+/// loop, the larger of the values at its two ends is used. The largest extension of a link is the
+/// measured one or, without measured displacements, three times the RMS extension. Throws
 /// InvalidInput (models) if the responses are constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 
 /// The default prior of a coefficient. Let e, ė and T be the RMS extension, rate and tension of the
-/// link (LinkMotion). A coefficient c of a tension c eᵖ ėᵍ then has the scale
+/// link (LinkMotion). A coefficient c of the tension c eᵖ ėᵍ then has the scale
 ///
 ///   s = T / (eᵖ ėᵍ),
 ///
-/// at which the term alone has the RMS tension of the link. The prior is N(0, s²), or
-/// half-normal |N(0, s²)| for force laws that resist motion (friction, drag, hysteresis). For a
-/// stop, which is stiffer than its link, the prior of the stiffness is half-normal with the
-/// scale 10 s. The prior of the gap is uniform up to the largest extension. A yield extension is
-/// log-normal about e, with ln sd = 1. The evidence depends on these widths: the Bayes factor
-/// against an unnecessary term is about the prior width of its coefficient divided by the
-/// posterior width. Throws std::invalid_argument for a coefficient whose role
+/// with which the term alone produces the RMS tension of the link. The prior is N(0, s²), or
+/// half-normal |N(0, s²)| for force laws that resist motion (friction, drag, hysteresis). A stop is
+/// stiffer than its link: the prior of its stiffness is half-normal with the scale 10 s. The prior
+/// of the gap is uniform up to the largest extension. The prior of a yield extension is log-normal
+/// about e, with sd 1 of the logarithm. The evidence depends on the widths of these priors: the
+/// Bayes factor against an unnecessary term is about the prior width of its coefficient divided by
+/// the posterior width. Throws std::invalid_argument for a coefficient whose role
 /// (dynamics::LawRole) has no scale.
 [[nodiscard]] inference::Prior default_prior(const dynamics::LawInfo& law, std::size_t coefficient,
                                              dynamics::Side side, const LinkMotion& motion);
 
 /// Sets SidDiscovery::motions and the default priors. The function also limits simulated
-/// displacements to 30 times the motion in the record (SimulatorOptions::displacement_bound). For
+/// displacements to 30 times the motion in the record (SimulatorOptions::displacement_bound). With
 /// draws of the default priors, the motion of softening springs may diverge, and drag may require
 /// ever shorter time steps.
 void set_term_priors(SidCase& sid_case);

@@ -14,8 +14,8 @@
 
 namespace wheeltap::identification {
 
-/// Ljung & Box's test for the residuals of a response or, if its residual model is not white, for
-/// the innovations.
+/// Ljung & Box's test of whiteness of a response's residuals or, if its residual model is not
+/// white, of their innovations.
 struct ResidualWhiteness {
   bool of_innovations = false;
   int lags = 0;
@@ -35,10 +35,10 @@ struct ChannelFit {
   double mse = 0.0, rmse = 0.0;  ///< mean square error Σ r² / N, and its square root
   double nrmse = 0.0;            ///< √(Σ r² / Σ (y - ȳ)²); NaN for a constant record
   double r2 = 0.0;               ///< coefficient of determination 1 - nrmse²; NaN if nrmse is NaN
-  double noise_sd = 0.0;         ///< standard deviation of the noise in the model
+  double noise_sd = 0.0;         ///< standard deviation of the noise, as in the model
   std::optional<ResidualWhiteness> whiteness;  ///< test of whiteness; empty for too few samples
-  /// Test of the residuals themselves. The result equals `whiteness` if the residual model is
-  /// white.
+  /// The same test of the residuals instead of the innovations; equals `whiteness` if the residual
+  /// model is white.
   std::optional<ResidualWhiteness> plain_whiteness;
 };
 
@@ -47,33 +47,33 @@ struct ChannelFit {
 [[nodiscard]] std::vector<ChannelFit> forward_run(const SidProblem& problem, int model,
                                                   std::span<const double> theta);
 
-/// A problem that integrates through the window without scoring its samples, and scores the samples
-/// after the window (SidCase::beyond). Null if there are no samples after the window.
+/// Returns a problem that integrates through the window without scoring it, and scores the samples
+/// after the window (SidCase::beyond). Returns null if the record has no samples after the window.
 [[nodiscard]] std::unique_ptr<const SidProblem> continuation(const SidProblem& problem);
 
-/// The mean of the draws of a model. The next function returns the draw with the highest posterior
-/// density.
+/// Returns the mean of a model's draws. The next function returns the draw with the highest
+/// posterior density.
 [[nodiscard]] std::vector<double> mean_draw(const SidProblem& problem,
                                             const inference::Posterior& posterior, int model);
 [[nodiscard]] std::span<const double> best_draw(const SidProblem& problem,
                                                 const inference::Posterior& posterior, int model);
 
-/// Parameters of the case at the posterior mean of a model with draws.
+/// Returns the parameters of the case at the posterior mean of a model with draws.
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// Effect of the integrator's step length on the response at the best draw of a model, relative to
-/// the noise σ,
+/// Effect of the time step of integration on the response at the best draw of a model, relative to
+/// the noise sd σ,
 ///
-///   ‖(r - r') / σ‖, r': residuals with steps a quarter as long,
+///   ‖(r - r') / σ‖, r': residuals with a quarter of the time step,
 ///
-/// over all samples and channels, as innovations of the residual model. To first order, the error
-/// of each parameter is at most the step error times the standard deviation of the parameter. The
-/// result is empty if the solution is exact, or if the shorter steps would exceed the largest
-/// number of steps.
+/// over all samples and channels, where r - r' is whitened by the residual model. To first order,
+/// the error of each parameter is at most this step error times the posterior sd of the
+/// parameter. The result is empty if the solution is exact, or if shorter steps would exceed the
+/// limit.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
-/// Larger step errors are reported.
+/// Step errors above this value are reported.
 inline constexpr double kLargestStepError = 0.3;
 
 }  // namespace wheeltap::identification

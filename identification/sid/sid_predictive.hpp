@@ -20,14 +20,14 @@ struct SidPredictive {
   std::vector<Draw> draws;
 };
 
-/// Selects at most `draws` draws and computes their residuals. For long records, fewer draws are
-/// selected. For balanced models, draws are selected with probabilities proportional to their
-/// weights, so that the selected draws have equal weights.
+/// Selects at most `draws` draws (fewer for long records) and computes their residuals. For
+/// balanced models, draws are selected with probabilities proportional to their weights, so that
+/// the selected draws have equal weights.
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 
-/// The scored samples of a response channel, converted to SI units with these parameters of the
-/// case.
+/// The scored samples of a response channel, converted to SI units with the scale and offset at
+/// these parameters of the case.
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
@@ -36,17 +36,17 @@ struct SidPredictive {
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };
-/// Computes the quantiles of each response; empty without draws.
+/// Computes these quantiles for each response; empty without draws.
 [[nodiscard]] std::vector<NoiseFree> noise_free(const SidProblem& problem,
                                                 const inference::Posterior& posterior,
                                                 const SidPredictive& predictive);
 
-/// Fraction of each response's samples within the central band (probability `SidCase::band`) of the
-/// predictive mixture
+/// Fraction of each response's samples within the central interval of probability `SidCase::band`
+/// of the predictive mixture
 ///
 ///   1/D Σ_d N(prediction_d, σ_d²),
 ///
-/// determined by the probability integral transform.
+/// computed by the probability integral transform.
 [[nodiscard]] std::vector<double> coverage(const SidProblem& problem,
                                            const SidPredictive& predictive);
 

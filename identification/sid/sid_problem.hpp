@@ -1,4 +1,4 @@
-// Conversion of a system identification case to a problem for the engine.
+// Conversion of a system identification case to an inference problem.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,13 @@
 
 namespace wheeltap::identification {
 
-/// All data of a run in one object, because the likelihood of the problem refers to these data.
+/// All data of a run in one object, because the problem's likelihood refers to them.
 struct SidProblem {
   SidCase sid_case;
-  /// Misfit function of each model; parameters as in SidCase::parameters
+  /// Misfit function of each model; its parameters are those of SidCase::parameters
   std::vector<dynamics::Misfit> misfits;
   inference::Problem problem;
-  double seconds_a_likelihood = 0.0;  ///< estimated time of one likelihood on one core [s]
+  double seconds_a_likelihood = 0.0;  ///< estimated run time of one likelihood on one core [s]
   /// The problems of the further records, with the same parameter layout.
   std::vector<std::unique_ptr<const SidProblem>> further = {};
 
@@ -23,7 +23,7 @@ struct SidProblem {
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
 };
 
-/// The case with only the first `first` scored samples.
+/// Returns the case with only the first `first` of its scored samples.
 [[nodiscard]] SidCase shortened(SidCase sid_case, int first);
 
 /// Makes the problem. The log likelihood of model m is
@@ -31,10 +31,10 @@ struct SidProblem {
 ///   Σ over channels c of  ln p(r_c | σ_c, c_c) + N ln |scale_c|,
 ///
 /// where r_c are the N scored residuals of the channel in SI units, and p is the density of its
-/// residual model with parameters c_c (residuals/residual_model.hpp). The last term converts to the
-/// density of the raw samples; it is present only if the scale is a parameter. For several records,
-/// the log likelihood is the sum over the records, each with a separate initial state. `misfits`
-/// are the misfits of the first record. Throws InvalidInput (models, model).
+/// residual model with parameters c_c (residuals/residual_model.hpp). The last term converts p to
+/// the density of the raw samples; it is present only if the scale is a parameter. For several
+/// records, the log likelihood is the sum over the records, each with a separate initial state.
+/// `misfits` are the misfits of the first record. Throws InvalidInput (models, model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
 
 }  // namespace wheeltap::identification

@@ -12,12 +12,12 @@ namespace wheeltap::identification {
 void add_residuals(SidCase& sid_case, SidModel& model,
                    std::shared_ptr<const ResidualModel> residuals);
 
-/// Chooses the residual model of every model with SidResiduals::chosen_kind. The function fits the
-/// model with white residuals to the first record (inference::search_modes, from 30 prior draws).
-/// ResidualKind::choose gives a value for each response from its residuals at the dominant
-/// posterior mode; the largest value is used. If no fit is found, the residual model remains white.
-/// The choice uses the same record as the inference, so model probabilities are conditional on the
-/// choice.
+/// Chooses the residual model of every model for which SidResiduals::chosen_kind is set. The
+/// function fits the model with white residuals to the first record (inference::search_modes, from
+/// 30 prior draws). ResidualKind::choose gives a value for each response from its residuals at the
+/// dominant posterior mode; the largest value is used. If no fit is found, the residual model
+/// remains white. The choice uses the same record as the inference, so model probabilities are
+/// conditional on the choice.
 void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads);
 
 }  // namespace wheeltap::identification

@@ -21,17 +21,17 @@ struct StepsRefined {
 };
 
 struct SidRunOptions {
-  /// Options of the engine. If warm-up and draws are 0, the run time of a likelihood determines
-  /// them.
+  /// Options of the engine. If the numbers of warm-up iterations and draws are 0, the run time of a
+  /// likelihood determines them.
   inference::Options engine = {};
-  /// Sampling function; default: reversible_jump.
+  /// Function that samples the posterior; default: reversible_jump.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
       {};
   /// Callback before sampling, with remarks on implausible input (sid_plausibility.hpp), if any.
   std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Callback before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
-  /// Integration settings of a resumed run that was stopped during a repetition.
+  /// Integration settings, for a resumed run that was stopped during a repetition.
   std::optional<StepsRefined> refined = {};
 };
 
@@ -42,35 +42,35 @@ struct Look {
 
 struct SidRun {
   std::unique_ptr<const SidProblem> problem;
-  inference::Options engine;  ///< engine options that the run used
+  inference::Options engine;  ///< options of the sampler in the run
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< settings of the last repeat
-  /// The used part of the record, for a quick run on a part of the record
+  /// The used part of the record, if a quick run used only a part
   std::optional<Look> look = {};
   std::vector<Remark> doubts = {};  ///< remarks passed to `doubt`
 };
 
-/// Number of scored samples for a quick run. Fewer samples reduce the time per likelihood and
-/// thereby the total run time.
+/// Number of scored samples that a quick run uses. With fewer samples, each likelihood and
+/// therefore the run take less time.
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
 /// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
-/// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
-/// would be expensive. It is never repeated. Throws InvalidInput, and the exceptions of `sample`.
+/// fixes the time steps. A quick run uses only the first samples if the likelihood of all would be
+/// expensive; it is never repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
-/// the chain allow it, otherwise shorter steps, because the error is proportional to the fourth
-/// power of the step. The function tests the settings on the best draws and refines them again if
-/// necessary, for example for chaotic motion.
+/// the chain allow this. Otherwise they use shorter steps, because the error is proportional to the
+/// fourth power of the step. The function tests the settings on the best draws and refines them
+/// again if the error is still too large, for example for chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
-/// The engine's options for a given run time per likelihood. If a run with the defaults
-/// takes less than about a minute on two cores, the function returns the defaults.
-/// Otherwise, it sets the number of draws that two cores compute in a minute. The
-/// actual number of cores is not used, because results must not depend on it.
+/// Returns the sampler's options for a given run time per likelihood. If a run with the defaults
+/// takes less than about a minute on two cores, the function returns the defaults. Otherwise, it
+/// sets the number of draws to what two cores compute in one minute. The actual number of cores has
+/// no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

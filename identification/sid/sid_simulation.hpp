@@ -9,8 +9,8 @@
 namespace wheeltap::identification {
 
 /// Returns time, excitations, and responses with Gaussian noise, one column per channel, in raw
-/// units (x - offset) / scale. Throws InvalidInput if the case has no truth, an excitation is
-/// impossible, or the true model's response grows without bound.
+/// units (x - offset) / scale. Throws InvalidInput if the case has no true parameters, an
+/// excitation is impossible, or the true model's response grows without bound.
 [[nodiscard]] signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed);
 
 }  // namespace wheeltap::identification

@@ -1,5 +1,5 @@
-// Units of inferred parameters, derived from the uses of the parameters and from the units of the
-// channels. The units are SI units, unless a channel has a unit that Wheeltap cannot convert.
+// Units of inferred parameters, derived from their uses and from the units of the channels. The
+// units are SI units, unless a channel has a unit that Wheeltap cannot convert.
 #pragma once
 
 #include <map>
@@ -10,14 +10,14 @@
 
 namespace wheeltap::identification {
 
-/// Units of force and length for the coefficients of a chain of masses. Example: for force and
-/// displacement records in V, stiffnesses are in V/V. If no channel measures force, its unit is N.
+/// Units of force and length for the coefficients of a chain of masses. For example, if force and
+/// displacement are in V, stiffnesses are in V/V. If no channel measures force, its unit is N.
 struct UnitSystem {
   std::string force = "N", length = "m";
 
   [[nodiscard]] bool is_si() const { return force == "N" && length == "m"; }
-  /// Converts a unit written with N and m to the units of the channels: "N/m^3" is "V/V^3" if force
-  /// and displacement are in V.
+  /// Replaces N and m in a unit by the units of the channels: "N/m^3" becomes "V/V^3" if force and
+  /// displacement are in V.
   [[nodiscard]] std::string in_place_of(const std::string& si) const;
 };
 

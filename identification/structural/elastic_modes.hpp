@@ -1,4 +1,4 @@
-// Separation of elastic from rigid-body frequencies.
+// Separation of the frequencies of elastic modes from those of rigid-body modes.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace wheeltap::identification {
 
-/// Index of the first elastic frequency. `frequencies_hz` ascend; at most `rigid` frequencies
+/// Index of the first elastic frequency in `frequencies_hz` (ascending), of which at most `rigid`
 /// belong to rigid-body modes (fewer if supports prevent such motions).
 [[nodiscard]] inline std::size_t first_elastic(const std::vector<double>& frequencies_hz,
                                                std::size_t rigid) {

@@ -10,7 +10,7 @@
 
 namespace wheeltap::identification {
 
-/// Modes of one state, or of several states and their concatenation; empty by default.
+/// Modes of one state, or of several states together with their concatenation; empty by default.
 class MeasuredModes {
  public:
   MeasuredModes() = default;
@@ -19,7 +19,7 @@ class MeasuredModes {
   MeasuredModes(std::shared_ptr<const ObservedStates> states, ModalData joined)
       : of_(States{std::move(states), std::make_shared<const ModalData>(std::move(joined))}) {}
 
-  /// The modes of all states; null if empty.
+  /// The modes of all states, concatenated; null if there are no modes.
   [[nodiscard]] const ModalData* modal() const {
     if (const auto* several = std::get_if<States>(&of_)) return several->joined.get();
     const auto* one = std::get_if<std::shared_ptr<const ModalData>>(&of_);

@@ -21,7 +21,7 @@ struct Sensor {
   fem::SparseRow motion;
 };
 
-/// A noise parameter: a number, or an unknown with a prior.
+/// A noise parameter: a known number, or an unknown with a prior.
 struct Scatter {
   double value = 0.0;
   std::optional<inference::Prior> prior = {};
@@ -30,46 +30,46 @@ struct Scatter {
   [[nodiscard]] bool none() const { return known() && value == 0.0; }
 };
 
-/// Measured modes in the order given. Without shapes, row i is mode i + 1 of the structure. A row
-/// without frequency and shape is a gap: a mode number that was not measured or is not used.
+/// Measured modes in the order of the case. Without shapes, row i is mode i + 1 of the structure. A
+/// row without frequency and shape is a gap: a mode number that was not measured or is not used.
 struct ModalData {
   std::vector<double> frequencies_hz = {};  ///< NaN if not measured
   /// Covariance of the frequencies [Hz²], modes × modes; undefined for NaN frequencies. Empty if
   /// `cov` is unknown.
   Eigen::MatrixXd covariance = {};
-  std::optional<inference::Prior> cov_prior = {};  ///< prior of the coefficient of variation
+  std::optional<inference::Prior> cov_prior = {};  ///< prior of sd divided by frequency
 
   std::vector<Sensor> sensors = {};
-  /// Modes × sensors; each shape has any scale and sign. NaN: not measured. Empty: no shapes.
+  /// Modes × sensors, at arbitrary scale and sign. NaN: not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
   /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
   /// `shape_sd` is unknown, the covariance is that for `shape_sd` = 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
-  /// Model errors in addition to the noise: the coefficient of variation of each frequency (the
-  /// errors of different modes are independent), and the sd of shape entries.
+  /// Model errors in addition to the noise: the relative sd of each frequency (errors of different
+  /// modes are independent), and the sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// Mixing of mode shapes by the model error that also changes frequencies by `discrepancy`; see
-  /// mixing_sd.
+  /// Factor κ of the mixing of mode shapes by the model error, which also changes frequencies by
+  /// `discrepancy`; see mixing_sd.
   Scatter mixing = {};
   /// Relative standard deviation of the stiffness error of each part of the structure; see
   /// StiffnessErrors.
   Scatter stiffness_discrepancy = {};
 
-  /// Prior probability that a measured mode is spurious (a harmonic, a noise pole). Requires
-  /// shapes.
+  /// Prior probability that a measured mode is spurious (a harmonic, a noise pole). Spurious modes
+  /// require shapes.
   double doubt = 0.0;
 
-  /// The repeated tests from which frequencies and covariance were inferred; null without
-  /// "repeats".
+  /// The repeated tests from which frequencies and covariance were inferred; null if the case has
+  /// no "repeats".
   std::shared_ptr<const RepeatedTests> repeats = {};
 
-  int predict = 0;  ///< number of further modes to predict
+  int predict = 0;  ///< number of further modes that are predicted
   std::vector<double> held_out_hz =
-      {};                   ///< measured frequencies of the predicted modes; NaN if not measured
-  bool simulated = false;   ///< simulated from the case's truth
-  std::string origin = {};  ///< description of the data's origin
+      {};                   ///< measured frequencies of these further modes; NaN if not measured
+  bool simulated = false;   ///< true: simulated with the true values of the case
+  std::string origin = {};  ///< origin of the data, in words
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }
@@ -83,7 +83,7 @@ struct ModalData {
     for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
     return count;
   }
-  /// Number of modes that the structure must have. With shapes, gaps need no mode.
+  /// Number of modes that the structure must have. Gaps count unless shapes were measured.
   [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 

@@ -1,5 +1,5 @@
-// States in which a structure's modes were measured: healthy or damaged, with added masses, at
-// different temperatures, with specified coefficients.
+// States of a structure in which its modes were measured: healthy or damaged, with added masses, at
+// different temperatures, or with specified coefficients.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ struct ObservedState {
   ModalData data = {};    ///< unknown noise parameters are common to all states
   bool damaged = false;   ///< true if the state contains the damages of the case
   std::vector<fem::StructureChange::Mass> masses = {};  ///< known added masses
-  double temperature = 0.0;                             ///< temperature above the reference [K]
+  double temperature = 0.0;                             ///< above the reference [K]
   /// Specified coefficients, in the order of `ObservedStates::known`.
   std::vector<double> known = {};
 };
@@ -29,15 +29,15 @@ struct ObservedState {
 /// ΔT), with c the unknown `per_kelvin`.
 struct ObservedStates {
   std::shared_ptr<const StructureModel> model = {};
-  std::vector<int> unknown = {};  ///< indices of the model's parameters in θ
+  std::vector<int> unknown = {};  ///< indices of the model's parameters that θ contains
   std::vector<int> known = {};    ///< indices of the parameters that each state specifies
   std::optional<inference::Prior> per_kelvin = {};
   std::vector<ObservedState> list = {};
-  bool uniform = false;  ///< every parameter acts on the whole structure, like E of a beam
+  bool uniform = false;  ///< true: every parameter acts on the whole structure (E of a beam)
 
-  /// θ and, if unknown, c.
+  /// The unknowns: θ and, if its prior is given, c.
   [[nodiscard]] std::vector<inference::Parameter> parameters() const;
-  /// All parameters of the model in a state.
+  /// Values of all parameters of the model in a state.
   [[nodiscard]] std::vector<double> values(std::span<const double> theta,
                                            const ObservedState& state) const;
   /// The frequencies of all states, concatenated, with the settings common to all states. Shapes
@@ -49,7 +49,7 @@ struct ObservedStates {
   [[nodiscard]] bool tells_sides() const;
 };
 
-/// Parameter name of the temperature coefficient.
+/// Name of the parameter c, the temperature coefficient of the stiffness.
 inline constexpr const char* kPerKelvin = "stiffness_per_kelvin";
 
 }  // namespace wheeltap::identification

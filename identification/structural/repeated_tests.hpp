@@ -1,4 +1,4 @@
-// Natural frequencies of repeated tests of one structure: their mean, and the scatter of one test.
+// Natural frequencies from repeated tests of one structure: mean, and scatter of a single test.
 //
 // Model of test t, t = 1 … N, with p modes:
 //
@@ -6,10 +6,10 @@
 //
 // Frequencies that were not identified are missing at random. Priors: μ flat; Σ inverse Wishart
 // with p degrees of freedom and the scale matrix diag(s_j²), where s_j is the robust scatter of
-// mode j; ν uniform on a list of values. This prior of Σ counts as one test. Without missing
-// frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom about the
-// mean of the tests. Its scale matrix is (S + diag(s_j²)) / N², with S the sum of squares about
-// the mean.
+// mode j; ν uniform on a list of values. This prior of Σ has the weight of one test. Without
+// missing frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom
+// about the mean of the tests. Its scale matrix is (S + diag(s_j²)) / N², with S the sum of squares
+// about the mean.
 //
 // The posterior is drawn by Gibbs sampling with data augmentation (Liu 1996, "Bayesian robust
 // multivariate linear regression with incomplete data", J. Am. Stat. Assoc. 91:1219).
@@ -24,7 +24,7 @@
 namespace wheeltap::identification {
 
 struct RepeatedTestsOptions {
-  /// Possible degrees of freedom ν, with equal prior probabilities.
+  /// Possible values of ν, the degrees of freedom, with equal prior probabilities.
   std::vector<double> degrees_of_freedom = {2.0,  3.0,  5.0,
                                             10.0, 30.0, std::numeric_limits<double>::infinity()};
   int warmup = 500, draws = 4000;
@@ -33,13 +33,13 @@ struct RepeatedTestsOptions {
 
 /// Smallest number of tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
-/// Smallest share of the tests that must identify a mode. With a smaller share, the draws of the
+/// Smallest share of tests that must identify a mode. With a smaller share, the draws of the
 /// missing frequencies are so strongly correlated that the sampler does not converge.
 inline constexpr double kLeastShare = 0.05;
-/// A test with a smaller posterior mean weight is a probable outlier.
+/// A test whose posterior mean weight is below this limit is a probable outlier.
 inline constexpr double kOutlierWeight = 0.25;
 
-/// Posterior of the mean of the tests and of the scatter of one test. A mode that no test
+/// Posterior of the mean of the tests and of the scatter of a single test. A mode that no test
 /// identified has NaN in `frequencies_hz`, `scatter`, `scatter_sd` and `serial_correlation`, and
 /// zeros in the matrices.
 struct RepeatedTests {
@@ -51,17 +51,17 @@ struct RepeatedTests {
   /// √(inflation_i · inflation_j).
   Eigen::MatrixXd covariance_hz2 = {};
 
-  /// Relative scatter of one test: half the width of the central 68.3 % interval of ln f_j, i.e.
-  /// √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it is the
-  /// standard deviation. The lists hold its posterior mean and sd.
+  /// Relative scatter of a single test: half the width of the central 68.3 % interval of ln f_j,
+  /// i.e. √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it
+  /// equals the standard deviation. The lists hold its posterior mean and sd.
   std::vector<double> scatter = {}, scatter_sd = {};
-  Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlations in Σ
+  Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlation matrix of Σ
 
   std::vector<double> degrees_of_freedom = {}, probabilities = {};  ///< posterior of ν
   std::vector<double> weights = {};  ///< posterior mean weight of each test, about 1 for most tests
-  std::vector<int> outliers = {};    ///< tests (0-based) with weight < kOutlierWeight
+  std::vector<int> outliers = {};    ///< tests (from 0) with a weight below kOutlierWeight
 
-  /// Correlation of consecutive tests, in the order given, for each mode. Significant correlation
+  /// Correlation r_j of consecutive tests, in the order given, per mode. Significant correlation
   /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
   /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
   std::vector<double> serial_correlation = {}, inflation = {};
@@ -70,7 +70,7 @@ struct RepeatedTests {
 /// Number of standard errors (N^-1/2) beyond which a serial correlation is significant.
 inline constexpr double kSerialLevel = 2.0;
 
-/// Infers mean and scatter of repeated tests.
+/// Infers the mean frequencies and the scatter of repeated tests.
 /// \param frequencies_hz tests × modes, > 0; NaN: not identified
 /// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
 /// tests. Throws std::invalid_argument, with the mode, in three cases: a frequency is not

@@ -16,11 +16,11 @@ namespace wheeltap::identification {
 
 using AnyStructure = std::variant<fem::Structure, fem::LumpedChain, fem::MatrixStructure>;
 
-/// A structure with parameters: named unknowns, each for one or several coefficients.
+/// A structure with parameters: named unknowns, each of which sets one or several coefficients.
 struct StructureModel {
   /// The structure at the nominal parameter values (medians of the priors).
   AnyStructure nominal;
-  /// Sorted by name; empty if all coefficients are known.
+  /// The unknowns, sorted by name; empty if all coefficients are known.
   std::vector<inference::Parameter> parameters = {};
   /// Setter i writes parameter i to every coefficient that this parameter defines.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
@@ -38,7 +38,7 @@ struct StructureModel {
   }
 };
 
-/// The matrices of any kind of structure. Throws fem::InvalidStructure.
+/// The matrices of a structure of any kind. Throws fem::InvalidStructure.
 [[nodiscard]] inline fem::Discretisation discretise(const AnyStructure& structure) {
   if (const auto* members = std::get_if<fem::Structure>(&structure))
     return fem::Mesh(*members).discretisation();
@@ -46,7 +46,7 @@ struct StructureModel {
   return fem::discretise(std::get<fem::MatrixStructure>(structure));
 }
 
-/// The matrices of any kind of structure with its points and lines. Throws fem::InvalidStructure.
+/// The matrices and drawing of a structure of any kind. Throws fem::InvalidStructure.
 [[nodiscard]] inline fem::DrawnStructure drawn(const AnyStructure& structure) {
   return std::visit([](const auto& kind) { return fem::drawn(kind); }, structure);
 }

@@ -1,5 +1,5 @@
-// Plausibility checks of a structure, without data: for example a modulus in GPa, unconnected
-// nodes, or members that cross without a joint.
+// Plausibility checks of a structure without its data. They find, for example, a modulus in GPa,
+// unconnected nodes, or members that cross without a joint.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ namespace wheeltap::identification {
 
 /// Reports a Young's modulus outside 5e8 to 1.3e12 Pa, a density outside 20 to 25 000 kg/m³ (0 is
 /// massless), or a speed of sound √(E/ρ) above 20 000 m/s, which no material reaches. A massless
-/// material with a larger modulus counts as a rigid link.
+/// material with a modulus above this range counts as a rigid link.
 [[nodiscard]] std::optional<remark::ImplausibleMaterial> implausible_material(
     const std::string& of, std::optional<double> young, std::optional<double> density);
 
-/// Checks the material, and compares the section depth with the beam's length.
+/// Checks the material of a beam, and compares the section depth with the length.
 [[nodiscard]] std::vector<Remark> implausible(const fem::Beam& beam);
 
 /// Checks a structure of members: materials, section depths above three times the member's length,
@@ -26,7 +26,7 @@ namespace wheeltap::identification {
 /// their nodes. Chains and matrices are not checked.
 [[nodiscard]] std::vector<Remark> implausible(const AnyStructure& structure);
 
-/// Reports sensors at the same location and in the same direction, whose shape entries are
+/// Reports sensors with the same location and direction, whose shape entries are
 /// redundant.
 [[nodiscard]] std::vector<Remark> implausible(const std::vector<Sensor>& sensors);
 

@@ -50,14 +50,14 @@ struct StructureChange {
   }
 };
 
-/// The error for a change after which no valid structure exists. The change removes more mass than
-/// the structure has, or so much stiffness that compressed members buckle.
+/// Thrown for a change after which no valid structure exists: it removes more mass than the
+/// structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
 /// Combines several softenings of the same strain into one softening, and several scalings of the
-/// same part into one scaling. The remaining stiffness is the product of the individual values.
+/// same part into one scaling. The remaining shares q are multiplied.
 void compound(StructureChange& change);
 
 /// Applies the changes to the discretisation. The modes of the result are the reference for the

@@ -1,4 +1,4 @@
-// Defects of a structure made of members, and the change of its matrices that each defect causes.
+// Defects of a structure made of members, and the changes of its matrices that they cause.
 #pragma once
 
 #include <vector>
@@ -18,8 +18,8 @@ struct StructureDefects {
     double reduction;  ///< r in [0, 1)
   };
   /// A stiffness reduction of a segment from `from` to `to` within the ends of the member. The
-  /// segment keeps the share 1 - r of its stiffness in every strain. Two overlapping reductions
-  /// leave the share (1 - r₁)(1 - r₂).
+  /// segment keeps the share 1 - r of its stiffness in every strain. Where two reductions overlap,
+  /// the share (1 - r₁)(1 - r₂) remains.
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -72,16 +72,16 @@ struct StructureDefects {
 ///
 /// A crack of compliance c at ξ adds c v vᵀ. A segment of reduced stiffness adds r/(1 - r) ∫ v vᵀ
 /// dx / EI and the corresponding shear flexibility. The eigenvectors of I + ΔF are the directions
-/// of StructureChange::Softening; the inverses of its eigenvalues are the remaining stiffnesses.
+/// of StructureChange::Softening; its inverse eigenvalues are the remaining shares.
 ///
 /// The rotation θ = c v · t of a hinge also moves the mass of the element by g(x) θ. The function g
 /// is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p · Bu, the
 /// mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The change is the
 /// sum of a positive and a negative mass.
 ///
-/// The defects are added to the initial change `change`. The remaining stiffnesses of softenings of
-/// the same strain are multiplied. Throws std::invalid_argument for locations outside a member and
-/// values out of range.
+/// The defects are added to the initial change `change`. If several softenings act on the same
+/// strain, their remaining shares are multiplied. Throws std::invalid_argument for locations
+/// outside a member and values out of range.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
                                         StructureChange change = {});
 

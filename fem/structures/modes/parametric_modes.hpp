@@ -13,10 +13,10 @@
 
 namespace wheeltap::fem {
 
-/// Method for the modes at one θ.
+/// Method that computes the modes at one θ.
 enum class ParametricSolver {
   cheaper,  ///< the cheaper of `basis` and `sparse`
-  basis,    ///< reduction to a basis of modes at selected θ
+  basis,    ///< reduced basis: modes at selected θ
   /// Sparse matrices, if the structure is affine and has no rigid-body motions and at most 2000
   /// degrees of freedom; otherwise a basis.
   sparse
@@ -33,8 +33,8 @@ struct ParametricModesOptions {
   int complete = 60;              ///< up to this number of degrees of freedom, the basis is
                                   ///< complete
   ParametricSolver solver = ParametricSolver::cheaper;
-  std::function<void(double)> progress = {};  ///< receives the completed share of the training, 0
-                                              ///< to 1
+  std::function<void(double)> progress = {};  ///< called with the completed fraction of the
+                                              ///< training
 };
 
 /// Solves K(θ) φ = λ M(θ) φ from the sparse matrices (`SparseModes`), or by Rayleigh-Ritz on a
@@ -50,18 +50,18 @@ struct ParametricModesOptions {
 ///
 /// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
 /// second bound of this error is η²/gap (Temple and Kato), where gap is the relative distance to
-/// the rest of the spectrum. Modes whose relative distance is below `kCluster` share the error
+/// the rest of the spectrum. Modes whose relative eigenvalue spacing is below `kCluster` share the
 /// bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are
 /// rigid-body motions. The sine of the angle between a computed and the true shape is at most
 /// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
 ///
 /// The error bounds prove that a mode lies near each result. The error bounds do not prove that no
 /// mode is missing. Sturm counts check for missing modes at every training point during the
-/// training. Later solutions in a basis have no such check. Every solution from sparse matrices has
-/// this check. Degrees of freedom without mass need no special treatment, because V includes the
-/// static response of these degrees of freedom.
+/// training. Later solutions in a basis are not checked for missing modes. Each solution from
+/// sparse matrices is checked in this way. Degrees of freedom without mass need no special
+/// treatment, because V includes their static response.
 ///
-/// The object is immutable after construction; each thread needs its own workspace.
+/// The object is immutable after construction; each thread needs a separate workspace.
 class ParametricModes {
  public:
   class Workspace;
@@ -84,7 +84,7 @@ class ParametricModes {
     bool in_full = false;  ///< true if the full problem was solved
     /// The matrix (modes × modes) of modal stiffnesses φ_jᵀ K_p φ_k of each part p of the
     /// structure; then, for each part, the matrix of derivatives of φ_jᵀ K φ_k with respect to the
-    /// relative error of the stiffness that damage removes. The caller fills this list.
+    /// relative error of the stiffness that damage removes. The caller computes these matrices.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per
@@ -95,30 +95,30 @@ class ParametricModes {
   };
 
   [[nodiscard]] Workspace make_workspace() const;
-  /// Computes the modes at θ. Throws the exceptions of `family.at` and `structure_modes` if no
-  /// valid structure exists at θ.
+  /// Computes the modes at θ. Throws the exceptions of StructureFamily::at and `structure_modes` if
+  /// no valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative
-  /// distance of modes is below 1e-6, the derivatives of their shapes exclude the rotation among
-  /// these modes, because it is not determined. If the full structure was solved, the derivatives
-  /// are those of the basis. Returns false without derivatives if the matrices are not affine in θ
-  /// or the faster solution failed.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative spacing of
+  /// eigenvalues is below 1e-6, the derivatives of these shapes exclude the rotation within their
+  /// subspace, which is indeterminate. If the full problem was solved, the derivatives are those of
+  /// the basis. Returns false without derivatives if the matrices are not affine in θ or the faster
+  /// solution failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
-  /// Summary of the training.
+  /// Summary of the training of the basis.
   struct Training {
-    int basis = 0;          ///< number of columns of the basis; the number of degrees of freedom
-                            ///< for a complete basis
-    bool complete = false;  ///< true without reduction: complete basis, or sparse matrices
+    int basis = 0;          ///< number of columns of the basis; for a complete basis, the number of
+                            ///< degrees of freedom
+    bool complete = false;  ///< true without reduction: the basis is complete or not used
     int points = 0;         ///< number of training points with a valid structure
-    int solved = 0;         ///< number of full solutions for the basis
+    int solved = 0;         ///< number of full problems solved to build the basis
     double largest_bound = 0.0;  ///< largest error bound of an eigenvalue over the training set
     int beyond = 0;              ///< number of training points whose error bounds still exceed the
                                  ///< tolerances
-    int miscounted = 0;  ///< number of training points at which Sturm counts give another number of
-                         ///< modes
+    int miscounted = 0;  ///< number of training points at which a Sturm count gives a different
+                         ///< number of modes
   };
   [[nodiscard]] const Training& training() const;
   [[nodiscard]] int modes() const;

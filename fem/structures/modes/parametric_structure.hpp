@@ -39,7 +39,7 @@ class ParametricStructure {
   enum class Form {
     affine,  ///< q and M are affine in θ; no assembly is necessary
     scaled,  ///< strains keep their directions; q and M come from assembly
-    general  ///< neither affine nor scaled
+    general  ///< structures that are neither affine nor scaled
   };
 
   /// Decomposes the matrices. `samples` holds values of θ, for example draws from the prior
@@ -47,9 +47,9 @@ class ParametricStructure {
   /// which a valid structure exists. Throws the exceptions of `family.at` at θ₀.
   ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
 
-  /// The matrices at one θ.
+  /// The scale factors and matrices at one θ.
   struct Point {
-    Eigen::VectorXd scales;                        ///< q_t; empty in `general`
+    Eigen::VectorXd scales;                        ///< q_t; empty for `general`
     Eigen::VectorXd change;                        ///< θ - θ₀
     std::optional<Discretisation> assembled = {};  ///< empty for `affine`
     double floor = 0.0;                            ///< α; 0 if unknown
@@ -72,10 +72,10 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms that are given matrices (parts of K). These terms are the last terms.
+  /// The number of terms that are given as matrices (parts of K). These terms come last.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
-  /// The columns of C, one column per rank of the low-rank terms; empty if a term is not positive
+  /// The columns C_t of all low-rank terms, one column per rank; empty if a term is not positive
   /// semidefinite.
   [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
   [[nodiscard]] Form form() const { return form_; }
@@ -87,7 +87,7 @@ class ParametricStructure {
   [[nodiscard]] const Discretisation& nominal() const { return nominal_; }
   [[nodiscard]] int parameters() const { return static_cast<int>(family_.nominal.size()); }
   [[nodiscard]] int terms() const { return terms_; }
-  /// The term of each strain of `nominal`; empty in `general`.
+  /// Index of the term that contains each strain of `nominal`; empty for `general`.
   [[nodiscard]] std::span<const int> term_of_strain() const {
     return form_ == Form::general ? std::span<const int>() : group_;
   }
@@ -106,10 +106,10 @@ class ParametricStructure {
   Discretisation nominal_;
   Form form_ = Form::general;
   int terms_ = 0;
-  std::vector<int> group_;          // term of each strain
+  std::vector<int> group_;          // index of the term of each strain
   std::vector<Sparse> part_terms_;  // the last terms: parts of K that is given as matrices
   std::vector<double> nominal_scales_;
-  bool definite_ = false;  // every term is positive semidefinite
+  bool definite_ = false;  // true: every term is positive semidefinite
   Eigen::MatrixXd low_rank_;
   std::vector<int> term_of_column_;
   Eigen::MatrixXd slopes_;

@@ -17,31 +17,31 @@ namespace wheeltap::fem {
 ///
 /// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w is
 /// at i W + w, so that one pass over the pattern treats W matrices. All positions are known in
-/// advance. For small structures, a search for positions would take longer than the arithmetic.
+/// advance. For a small structure, a search for positions would take more time than the arithmetic.
 class SparseFactor {
  public:
-  /// Throws std::invalid_argument if the matrix is not square. The values of the matrix are not
+  /// Throws std::invalid_argument if the matrix is not square. Only the pattern of the matrix is
   /// used.
   explicit SparseFactor(const Eigen::SparseMatrix<double>& pattern);
-  // The groups point into the other members.
+  // Not copyable, because `groups_` points into other members.
   SparseFactor(const SparseFactor&) = delete;
   SparseFactor& operator=(const SparseFactor&) = delete;
 
   [[nodiscard]] std::size_t size() const { return to_.size(); }
   /// The number of entries of L below the diagonal.
   [[nodiscard]] std::size_t entries() const { return rows_.size(); }
-  /// The number of products of two entries in one factorisation.
+  /// The number of multiplications of two entries in one factorisation.
   [[nodiscard]] std::size_t products() const { return products_; }
-  /// The position of an unknown in the order of the factor.
+  /// The position of an unknown in the elimination order.
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
   /// The diagonal, and the entries below the diagonal, column by column in the pattern of L. Before
-  /// `factorise`, these are entries of A; afterwards, of D and L.
+  /// `factorise`, they are entries of A; afterwards, entries of D and L.
   struct Values {
     std::vector<double> diagonal, lower;
   };
-  /// The index in `lower` of the entry at two different positions. Throws std::out_of_range if L
-  /// has no such entry.
+  /// The index in `lower` of the entry of L at two different positions. Throws std::out_of_range if
+  /// L has no such entry.
   [[nodiscard]] std::size_t index(std::size_t a, std::size_t b) const;
   /// The row and the column of an entry of `lower`.
   [[nodiscard]] std::size_t row(std::size_t index) const { return rows_[index]; }
@@ -69,7 +69,7 @@ class SparseFactor {
   std::vector<std::size_t> start_;             // first entry of each column, and the end
   std::vector<std::uint32_t> rows_, columns_;  // the row and column of an entry
   std::size_t products_ = 0;
-  std::vector<detail::ColumnGroup> groups_;  // all columns, in groups
+  std::vector<detail::ColumnGroup> groups_;  // groups that contain all columns
   std::vector<detail::Run> runs_;            // rows and targets of all groups
 };
 

@@ -9,15 +9,15 @@ namespace wheeltap::fem::detail {
 // The kernels read plain arrays. This header must not include library code. Otherwise the linker
 // could select a library function compiled for AVX-512 and use it on every processor.
 
-/// Largest number of columns that are treated together.
+/// Largest number of columns that one step of a factorisation processes together.
 inline constexpr std::size_t kMostColumns = 4;
 
-/// `length` consecutive positions from `first`.
+/// A run of `length` consecutive positions that begins at `first`.
 struct Run {
   std::uint32_t first, length;
 };
 
-/// Consecutive columns of L whose rows below these columns are the same. The entries of such a
+/// Consecutive columns of L with entries in the same rows below the group. The entries of such a
 /// group form a dense block.
 struct ColumnGroup {
   std::uint32_t first, columns;  ///< the first column, and the number of columns
@@ -37,17 +37,17 @@ struct SparsePattern {
   const std::size_t* start;
 };
 
-/// Functions of one instruction set. The arrays hold 1 or 4 matrices or vectors together: entry i
-/// of matrix w is at i W + w.
+/// Functions compiled for one instruction set. The arrays hold 1 or 4 matrices or vectors together:
+/// entry i of matrix w is at i W + w.
 struct SparseKernel {
   const char* name;
   void (*factorise)(const SparsePattern&, double* diagonal, double* lower);
   void (*factorise4)(const SparsePattern&, double* diagonal, double* lower);
-  /// Solves with the matrix for one right-hand side, and for four.
+  /// Solve A x = b with one matrix, for one right-hand side and for four.
   void (*solve)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
   void (*solve_several4)(const SparsePattern&, const double* diagonal, const double* lower,
                          double* x);
-  /// Solves with each of four matrices for one right-hand side.
+  /// Solves A x = b with four matrices, each for one right-hand side.
   void (*solve4)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
 };
 
@@ -55,7 +55,7 @@ extern const SparseKernel kBaselineSparse;
 extern const SparseKernel kAvx2Sparse;
 extern const SparseKernel kAvx512Sparse;
 
-/// The versions that this processor can run, widest registers first, and a null pointer.
+/// The kernels that this processor can run, largest SIMD width first; a null pointer ends the list.
 [[nodiscard]] const SparseKernel* const* sparse_kernels();
 
 }  // namespace wheeltap::fem::detail

@@ -1,7 +1,7 @@
 // The loops of sparse_kernel.hpp. Each source file that includes this header is compiled for one
-// instruction set, for registers of WHEELTAP_SPARSE_WIDTH doubles. Four lanes belong together, and
-// the compiler contracts no operations to fused multiply-adds. The results are therefore bitwise
-// equal on every processor.
+// instruction set, for a SIMD width of WHEELTAP_SPARSE_WIDTH doubles. All versions compute four
+// lanes in the same way, and the compiler contracts no operations to fused multiply-adds. The
+// results are therefore bitwise equal on every processor.
 
 #include <cstring>
 
@@ -56,7 +56,7 @@ inline void store(double* to, const Lanes& value) {
   std::memcpy(to, value.part, sizeof value.part);
 }
 
-/// e[k W + w] -= Σ_c other_c[k W + w] l_c[w] for k < length, one c after the other.
+/// Computes e[k W + w] -= Σ_c other_c[k W + w] l_c[w] for k < length, for one c after the other.
 template <std::size_t W, std::size_t G>
 inline void subtract(double* e, const double* const* other, const double (*l)[W],
                      std::size_t length) {
@@ -144,8 +144,8 @@ void factorise(const SparsePattern& pattern, double* diagonal, double* lower) {
   }
 }
 
-/// The steps of L z = b and Lᵀ x = z in the columns of a group, for one right-hand side. The sums
-/// of the second step have four parts and a remainder, independent of the vector width.
+/// The steps of L z = b and Lᵀ x = z in the columns of a group, for one right-hand side. At every
+/// vector width, the second step adds four partial sums and a remainder.
 template <std::size_t G>
 void forward(const SparsePattern& pattern, const ColumnGroup& group, const double* lower,
              double* x) {

@@ -15,26 +15,26 @@ namespace wheeltap::fem {
 /// Computes the lowest modes of K(θ) φ = λ M(θ) φ, K = Σ q_t(θ) K_t, without a reduced basis. The
 /// method is Lanczos' method for K⁻¹ M with full orthogonalisation (Saad 2011, section 6.6),
 /// started from the modes at θ₀. Derivatives of shapes follow from Nelson's method (1976). The
-/// constructor finds all positions in the sparse matrices and factors, so a solution takes little
-/// longer than its arithmetic. A Sturm count at each θ proves that no mode is missing.
+/// constructor finds all positions in the sparse matrices and factors, so that a solution takes
+/// little more time than its arithmetic. A Sturm count at each θ proves that no mode is missing.
 ///
-/// The object is immutable after construction; each thread needs its own workspace.
+/// The object is immutable after construction; each thread needs a separate workspace.
 class SparseModes {
  public:
   /// `elastic` is the number of modes to compute, `massive` the number of all modes (`mode_count`).
-  /// `start` holds modes at θ₀ (n × any number), `motions` the requested components of the shapes.
-  /// The structure must be affine, must not have rigid-body motions, and must outlive this object.
+  /// `start` holds modes at θ₀ as columns, `motions` the requested components of the shapes. The
+  /// structure must be affine, must not have rigid-body motions, and must outlive this object.
   SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
               const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 
   struct Workspace {
-    Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // at the last θ
+    Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // diagonals at the last θ
     std::vector<double> stiffness, mass;                // below the diagonal
     SparseFactor::Values shifted, several;
     Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
     Eigen::VectorXd eigenvalues;
     Eigen::VectorXd residuals;  // η of each mode, as in ParametricModes
-    Eigen::VectorXd mu;         // 1/λ, descending, then estimates for higher modes
+    Eigen::VectorXd mu;         // 1/λ, descending, then estimates of 1/λ for higher modes
     bool solved = false;
   };
 
@@ -45,8 +45,8 @@ class SparseModes {
              Eigen::MatrixXd& shapes) const;
 
   /// Computes the derivatives ∂λ/∂θ (modes × parameters) and ∂shapes/∂θ_j (motions × modes, one
-  /// matrix per parameter) at the θ of the last successful `solve`. Modes whose relative distance
-  /// is below `twin` do not rotate among themselves.
+  /// matrix per parameter) at the θ of the last successful `solve`. They exclude rotations among
+  /// modes whose relative spacing is below `twin`.
   bool differentiate(Workspace& ws, double twin, Eigen::MatrixXd& eigenvalues,
                      std::vector<Eigen::MatrixXd>& shapes) const;
 
@@ -59,7 +59,7 @@ class SparseModes {
     std::vector<std::size_t> diagonal_at, lower_at;
     std::vector<double> diagonal, lower;
   };
-  /// Some entries of `lower` with their rows, column by column, and the first entry of each column.
+  /// Entries of `lower` with their rows, column by column, and the first entry of each column.
   struct Columns {
     struct Entry {
       std::uint32_t entry, row;
@@ -70,7 +70,7 @@ class SparseModes {
   [[nodiscard]] Entries entries(const Discretisation::Sparse& matrix) const;
   static void add(double factor, const Entries& entries, double* diagonal, double* lower);
   [[nodiscard]] Columns columns_of(const std::vector<char>& marked) const;
-  /// Computes A u from the diagonal of A and the given entries of `lower`.
+  /// Computes A u from the diagonal of A and those entries of `lower` that `columns` lists.
   void times(const double* diagonal, const double* lower, const Columns& columns, const double* u,
              double* out) const;
   void mass_times(const Workspace& ws, const double* u, double* out) const {
@@ -102,7 +102,7 @@ class SparseModes {
   Entries mass_;
   std::vector<std::size_t> used_;                   // entries of `lower` that are not fill-in
   Columns stiffness_columns_, mass_columns_;        // entries that are not zero at every θ
-  std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in a row or column
+  std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in each row and column
   std::vector<SparseRow> motions_;                  // in the order of the factor
   std::vector<SparseRow> strains_;                  // in the order of the factor
   Eigen::MatrixXd start_;

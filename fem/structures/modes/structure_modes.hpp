@@ -26,21 +26,21 @@ struct StructureModes {
   std::string solver;  ///< "spectra" or "dense", with the reason for the choice
 };
 
-/// Returns the number of modes: the rank of M in the free degrees of freedom. The displacements of
-/// massless degrees of freedom follow statically and exactly from those of the other degrees of
-/// freedom.
+/// Returns the number of modes of the structure: the rank of M in the free degrees of freedom. The
+/// displacements of massless degrees of freedom follow statically and exactly from those of the
+/// other degrees of freedom.
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
 /// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds
 /// approximate modes. Rounding of the assembled and factored matrices causes relative errors in the
 /// low modes of about λ_max / λ times the unit round-off of double precision. A Rayleigh-Ritz step
 /// on the modes and their residuals, both computed from the strains, removes these errors. A Sturm
-/// count by L D Lᵀ detects a missing mode, for example one of two close modes; the search then
-/// continues in the space orthogonal to the computed modes.
+/// count by L D Lᵀ detects a missing mode, for example one of two closely spaced modes; the search
+/// then continues in the space orthogonal to the computed modes.
 ///
 /// Throws std::invalid_argument if `modes` exceeds the number of modes of the structure. Throws
-/// InvalidStructure for axial forces beyond buckling and for a mechanism; the message names the
-/// mechanism. A mechanism is a motion with mass but without stiffness, or a degree of freedom with
+/// InvalidStructure if axial forces exceed the buckling load, and for a mechanism; the message
+/// names it. A mechanism is a motion with mass but without stiffness, or a degree of freedom with
 /// neither stiffness nor mass.
 [[nodiscard]] StructureModes structure_modes(const Discretisation& d, int modes);
 

@@ -13,13 +13,13 @@ namespace wheeltap::fem {
 ///
 /// until the relative change of all requested eigenvalues is below `tolerance`. Each iteration
 /// multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)², where λ_next is
-/// the lowest eigenvalue outside the block. The block has twice as many vectors as requested modes,
-/// and at least 8 more. σ = 0 unless the structure has rigid-body motions. Up to `kDense` degrees
-/// of freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
-/// are allowed.
+/// the lowest eigenvalue outside the block. The block has twice as many vectors as there are
+/// requested modes, and at least 8 more. The shift σ is 0 unless the structure has rigid-body
+/// motions. Up to `kDense` degrees of freedom, a dense solver computes the modes without iteration.
+/// Degrees of freedom without mass are allowed.
 ///
-/// This class does not check for missing modes; use `eigenvalues_below` for this check. The object
-/// is immutable after construction, and the results depend only on the arguments.
+/// This class does not check whether a mode is missing; `eigenvalues_below` does. The object is
+/// immutable after construction, and the results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
@@ -37,7 +37,7 @@ class SubspaceModes {
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
     int steps = 0;                     ///< number of iterations; 0: dense solver
   };
-  /// Computes the modes of a structure. If the degrees of freedom are not those of the first
+  /// Computes the modes of a structure. If the degrees of freedom differ from those of the first
   /// structure, structure_modes solves the problem. Returns false if K is not positive definite
   /// apart from the rigid motions, or if the iteration does not converge.
   bool solve(const Discretisation& d, Found& out) const;

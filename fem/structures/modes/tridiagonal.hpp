@@ -12,8 +12,8 @@ namespace wheeltap::fem {
 ///   T q_i = values_i q_i,   last_i = e_nᵀ q_i (up to the sign).
 ///
 /// The method is implicit QL, which rotates only the last row of the eigenvectors and takes O(n²)
-/// operations (Golub & Welsch 1969, Mathematics of Computation 23:221). Returns false without
-/// convergence. The entries must be finite.
+/// operations (Golub & Welsch 1969, Mathematics of Computation 23:221). Returns false if the
+/// iteration does not converge. The entries must be finite.
 bool last_components(Eigen::VectorXd diagonal, const Eigen::VectorXd& below,
                      Eigen::VectorXd& values, Eigen::VectorXd& last);
 

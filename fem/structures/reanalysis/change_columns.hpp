@@ -11,7 +11,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// The columns of springs, floating masses and softenings, like `DefectColumns` for beams.
+/// The columns of springs, floating masses and softenings, as `DefectColumns` for beams.
 /// `ResidualModes` replace the modes that are not kept.
 class ChangeColumns {
  public:
@@ -31,10 +31,10 @@ class ChangeColumns {
 
   std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes
   std::vector<double> columns;                           // count × stride, supports first
-  int poles = 0, negative_poles = 0;  // number of floating masses; number of removed masses, which
-                                      // come first
-  int supports = 0, held = 0;         // number of columns of springs and links; number of rigid
-                                      // springs and links
+  int poles = 0, negative_poles = 0;  // numbers of floating masses, and of removed masses (which
+                                      // come first)
+  int supports = 0, held = 0;         // number of columns of springs and links, and number of rigid
+                                      // ones
   int rigid = 0;                      // number of remaining rigid motions
   int extra = 0;                      // number of residual modes
   std::size_t stride = 0;

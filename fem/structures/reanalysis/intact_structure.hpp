@@ -1,4 +1,4 @@
-// Precomputed data of the intact structure for the reanalysis. Internal.
+// Precomputed data of the intact structure. Internal to the reanalysis.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace wheeltap::fem::detail {
 
-/// Limits of the number n of added springs and removed masses. With n added springs and removed
-/// masses, root i is at most intact eigenvalue i + n. Up to the largest of these limits, S is
-/// computed by a short sum over the near modes; above this limit, by the sum over all modes.
+/// Limits of the total number n of added springs and removed masses. With these changes, root i is
+/// at most intact eigenvalue i + n. Up to the largest limit, S is computed by a short sum over the
+/// near modes; above it, by the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
-/// The value λ that represents a massless motion, relative to the lowest elastic eigenvalue. Only
-/// the static part of such a motion is relevant.
+/// The value λ that represents a massless motion, divided by the lowest elastic eigenvalue. Only
+/// the static part of such a motion affects results.
 inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
@@ -48,7 +48,7 @@ struct IntactStructure {
     const auto at = std::ranges::lower_bound(kLifting, lifting);
     return windows[static_cast<std::size_t>(at - kLifting.begin())];
   }
-  /// Writes the component of a motion in each mode to `out`: `stride` numbers.
+  /// Writes the component of a motion in each mode to `out` (`stride` numbers).
   void motion(const SparseRow& row, double* out) const;
 
  private:

@@ -35,8 +35,8 @@ namespace wheeltap::fem {
 /// The first term is present only if both forms belong to the same part; primes mark the second
 /// form. Only Q_n requires solutions of the whole structure. The large contributions to Q_n are
 /// subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of kBatch
-/// degrees of freedom. The constructor computes the batches of a small boundary; otherwise a batch
-/// is computed at its first request.
+/// degrees of freedom. If the boundary is small, the constructor computes all batches; otherwise, a
+/// batch is computed when it is first requested.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
 /// cache holds `memory` bytes and removes the least recently used values.
@@ -82,7 +82,7 @@ class ResidualFlexibility {
 /// the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
 struct ResidualModes {
   Eigen::VectorXd eigenvalues;  ///< θ, ascending
-  Eigen::MatrixXd forms;        ///< m × modes: values of the forms for the mass-normalised modes
+  Eigen::MatrixXd forms;        ///< m × modes: values of the forms in the mass-normalised modes
   Eigen::MatrixXd weights;      ///< 2m × modes: weights of u_1 … u_m, w_1 … w_m in each mode
 };
 

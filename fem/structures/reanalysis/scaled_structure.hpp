@@ -18,27 +18,27 @@ namespace wheeltap::fem {
 ///   K(θ) = s(θ) (K₀ + Σ_c (q_c(θ) / s(θ) - 1) b_c b_cᵀ),
 ///   M(θ) = m(θ) (M₀ + Σ_i μ_i(θ) / m(θ) r_i r_iᵀ).
 ///
-/// A reanalysis of the base structure (K₀, M₀) therefore also solves the structure at any θ. The
-/// sums are a `StructureChange`. Eigenvalues are multiplied by s/m, and mass-normalised shapes by
-/// 1/√m. For example, Young's modulus and density of all members are scale factors. A spring adds
-/// one strain, and a point mass adds one motion per direction. s and m, all q_c and all μ_i are
-/// affine in θ, and the decomposition is exact within 1e-9.
+/// A reanalysis of the base structure (K₀, M₀) therefore also solves the structure at any θ. A
+/// `StructureChange` represents the sums. Eigenvalues are multiplied by s/m, and mass-normalised
+/// shapes by 1/√m. For example, Young's modulus and density of all members are scale factors. A
+/// spring adds one strain, and a point mass adds one motion per direction. s and m, all q_c and all
+/// μ_i are affine in θ, and the decomposition is exact within 1e-9.
 class ScaledStructure {
  public:
-  /// Largest number of strains and motions. For larger numbers, other methods are faster.
+  /// Largest total number of strains and motions. For larger numbers, other methods are faster.
   static constexpr int kMostColumns = 16;
 
-  /// Returns std::nullopt if the family does not have this form or needs more columns. `samples`
-  /// holds values of θ, for example draws from the prior. Throws the exceptions of
+  /// Returns std::nullopt if the family does not have this form or needs more than kMostColumns.
+  /// `samples` holds values of θ, for example draws from the prior. Throws the exceptions of
   /// `ParametricStructure`.
   [[nodiscard]] static std::optional<ScaledStructure> of(
       StructureFamily family, std::span<const std::vector<double>> samples);
 
   [[nodiscard]] const std::shared_ptr<const Discretisation>& base() const { return base_; }
-  /// The parameters θ of the base structure. Each of its point masses has its smallest value among
+  /// The parameters θ of the base structure, at which each point mass has its smallest value among
   /// all samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
-  /// Number of strains and motions; 0: only the scale factors depend on θ.
+  /// Total number of strains and motions; 0: only the scale factors depend on θ.
   [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }
 
   struct Scales {

@@ -17,15 +17,15 @@ namespace wheeltap::fem {
 ///   l₀ = K_II⁻¹ f_I,            r₀ = f_E - K_EI l₀,
 ///   l_n = K_II⁻¹ M_II l_{n-1},  r_n = M_EI l_{n-1} - K_EI l_n,
 ///
-/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The motion l is nonzero only in the
+/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The motions l are nonzero only in the
 /// interior, and the forces r act only on the edge (static condensation; Guyan 1965, AIAA J.
 /// 3:380). K_II and K l are summed from the strains in extended precision.
 ///
 /// Parts are the interiors of members: degrees of freedom that are coupled with at most two ends. A
 /// part is halved along the member until it has at most `kLargest` degrees of freedom and all its
 /// eigenvalues with fixed edge lie above `stiffer_than`. The motions l_n grow with the inverse of
-/// these eigenvalues, and large motions l_n would cause cancellation. The remaining degrees of
-/// freedom form the boundary, including the degrees of freedom that hold a free structure.
+/// these eigenvalues, and large motions l_n would cause cancellation. All other degrees of freedom
+/// form the boundary, including those that hold a free structure.
 class StaticCondensation {
  public:
   static constexpr int kLargest = 36;

@@ -17,26 +17,26 @@ namespace wheeltap::fem {
 /// mass has Γ⁻¹ = 1/(λ μ). The added mass is represented by a mass μ that floats freely beside the
 /// structure (a mode at λ = 0 with motion 1/√μ) and a rigid link to the motion r. The floating mass
 /// adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
-/// floating mass with the opposite sign in the count.
+/// floating mass that enters the eigenvalue count with the opposite sign.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
-/// frequencies is then at most 1e-9 (2000 random sets of defects per structure,
-/// tests/fem/structures/structure_reanalysis_sets_test.cpp).
+/// frequencies is then at most 1e-9 in a test with 2000 random sets of defects per structure
+/// (tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// For larger structures, the lowest p modes are kept. Two further modes per column
-/// (`ResidualModes`) match the residual flexibility for the columns up to λ³. The computed
+/// (`ResidualModes`) represent the residual flexibility for the columns up to λ³. The computed
 /// frequencies are those of a constrained structure, so they are not below the true frequencies.
 /// The error bound follows from an eigenvalue count with S minus the largest possible contribution
-/// of the omitted modes. If this error bound exceeds 1e-6, the full problem of the changed
-/// structure is solved. Mode shapes remain those of the constrained structure.
+/// of the omitted modes. If it exceeds 1e-6, the full eigenvalue problem of the changed structure
+/// is solved. Mode shapes remain those of the constrained structure.
 ///
-/// Any number of threads may share the object, each thread with its own workspace.
+/// Any number of threads may share the object; each thread needs a separate workspace.
 class StructureReanalysis {
  public:
   class Workspace;
 
   static constexpr int kAllModes = 1500;
-  /// Largest size of the cache for residual flexibilities [bytes]. The cache holds four vectors of
+  /// Largest size of the cache of residual flexibilities [bytes]. The cache holds four vectors of
   /// the structure's size for each requested strain or motion. The least recently used vectors are
   /// removed first.
   static constexpr std::size_t kResidualMemory = std::size_t{2} << 30;
@@ -48,8 +48,8 @@ class StructureReanalysis {
 
   /// Computes the modes of the intact structure. `modes` is the largest number of lowest
   /// frequencies that a caller can request, rigid-body modes included. `kept` is the number of
-  /// modes to keep, or 0 for `kept_modes`. Throws the exceptions of `structure_modes`, and
-  /// std::invalid_argument if a mode may be missing among the kept modes.
+  /// modes to keep; 0: the value of `kept_modes`. Throws the exceptions of `structure_modes`, and
+  /// std::invalid_argument if one of the lowest modes may be missing.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
                       int kept = 0);
   ~StructureReanalysis();
@@ -62,10 +62,10 @@ class StructureReanalysis {
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
   [[nodiscard]] const Discretisation& discretisation() const;
 
-  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
-  /// one row per mode.
+  /// Output of `solve`, which computes only the results whose span is not empty. Matrices are
+  /// row-major, with one row per mode.
   struct Results {
-    std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
+    std::span<double> frequencies_hz;  ///< the n <= modes() lowest frequencies, ascending
     /// n × motions: components of the mass-normalised mode shapes of the changed structure.
     std::span<double> shapes = {};
     std::span<const SparseRow> motions = {};
@@ -73,7 +73,7 @@ class StructureReanalysis {
   };
 
   /// Computes the lowest frequencies of the changed structure. Throws std::invalid_argument for q
-  /// outside (0, 1], k <= 0, or spans whose sizes do not fit, and ImpossibleChange.
+  /// outside (0, 1], k <= 0, or spans of the wrong size. Throws ImpossibleChange.
   void solve(const StructureChange& change, Workspace& workspace, const Results& results) const;
 
  private:

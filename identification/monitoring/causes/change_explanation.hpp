@@ -1,4 +1,4 @@
-// Causes of a change: damage, an added mass, a faulty sensor, or none of these causes.
+// Causes of a change: damage, an added mass, a faulty sensor, or another cause.
 //
 //   damage, mass:  δ = δ(kind, place, severity)                       (defect_shifts.hpp)
 //   feature fault: δ = e_j s,       s ~ N(0, (size · residual sd_j)²)
@@ -8,10 +8,10 @@
 //
 // P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, with L the likelihood of shift_likelihood.hpp,
 // including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
-// mixture of normal densities, so that the integrals are exact. "Other" has the equally probable
-// sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from the nearest damage, in standard
-// deviations of the shift. Without the cause "other", a shift far from every damage would count as
-// damage whenever all other causes were less probable.
+// mixture of normal densities. The integrals therefore have a closed form. "Other" has the equally
+// probable sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from that of the nearest damage,
+// in standard deviations of the shift. Without this cause, a shift far from that of every damage
+// would count as damage whenever the remaining causes were less probable.
 #pragma once
 
 #include "identification/monitoring/causes/defect_shifts.hpp"
@@ -19,7 +19,7 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// Prior probabilities of the causes of a change, up to a factor.
+/// Prior weights of the causes of a change, proportional to probabilities.
 struct CauseWeights {
   double damage = 0.3, mass = 0.3, sensor = 0.3, other = 0.1;
 };
@@ -27,29 +27,29 @@ struct CauseWeights {
 struct CauseOptions {
   CauseWeights weights = {};
   std::vector<bool> is_mass = {};  ///< one per kind; true: an added mass, false: damage
-  /// One per kind: its prior share among the kinds of damage, or among the kinds of added mass.
+  /// Prior share of each kind among the kinds of damage, or among the kinds of added mass.
   std::vector<double> share = {};
   Eigen::VectorXd residual_sd = {};   ///< p
-  Eigen::VectorXd covariate_sd = {};  ///< c entries, training period; zero: covariate not used
+  Eigen::VectorXd covariate_sd = {};  ///< c entries, in the training period; 0 if not used
 };
 
-/// Quantiles of a posterior.
+/// Quantiles of a posterior distribution.
 struct CentralInterval {
   double q5 = 0.0, q50 = 0.0, q95 = 0.0;
 };
 
-/// A part of a defect kind's line of sites, such as a structural member.
+/// A part of the line of possible sites of a defect kind, for example a structural member.
 struct ExplainedPlace {
   int stretch = 0;
   double probability = 0.0;  ///< probability of the part, given the kind
-  CentralInterval at = {};   ///< location [m] along the part, given the part
+  CentralInterval at = {};   ///< location [m] from the start of the part, given the part
 };
 
-/// A kind of defect as the cause of the change.
+/// Posterior of a defect of one kind as the cause of the change.
 struct ExplainedDefect {
   double probability = 0.0;
   std::vector<double> by_cell = {};  ///< probability of each cell of the line, given the kind
-  CentralInterval location = {};     ///< location on the kind's line, given the kind
+  CentralInterval location = {};     ///< position on the kind's line, given the kind
   CentralInterval severity = {};
   /// Parts with a probability of at least 1 %, the most probable first
   std::vector<ExplainedPlace> places = {};
@@ -58,13 +58,13 @@ struct ExplainedDefect {
 struct ChangeExplanation {
   double damage = 0.0, mass = 0.0, sensor = 0.0, other = 0.0;  ///< P(cause | change); the sum is 1
   std::vector<ExplainedDefect> defects = {};                   ///< one per kind
-  /// Probabilities of faults, one per feature and one per covariate
+  /// Probability of a fault of each feature, and of each covariate's sensor
   std::vector<double> feature_faults = {}, covariate_faults = {};
   /// Distance of the measured shift from the nearest damage, in standard deviations of the shift.
   double distance_to_damage = 0.0;
 };
 
-/// `slopes`: p x c, AlarmRecord::covariate_slopes.
+/// Computes the probabilities of the causes. `slopes` are AlarmRecord::covariate_slopes, p x c.
 [[nodiscard]] ChangeExplanation explain_change(const ShiftLikelihood& likelihood,
                                                const Eigen::MatrixXd& slopes,
                                                const std::vector<DefectKind>& kinds,

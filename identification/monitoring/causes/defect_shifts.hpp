@@ -4,7 +4,7 @@
 //
 // f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
 // x and all severities r. It stores the shifts at nodes. All intervals between nodes are equally
-// probable a priori; the shifts inside them are interpolated linearly.
+// probable a priori; inside an interval, shifts are interpolated linearly.
 #pragma once
 
 #include <vector>
@@ -15,16 +15,16 @@ namespace wheeltap::identification::monitoring {
 
 struct DefectPath {
   int kind = 0;
-  double from = 0.0, to = 0.0;  ///< interval of the location on the kind's line
-  double extent = 0.0;          ///< [m], a quantile of the prior if the kind's extent is unknown
+  double from = 0.0, to = 0.0;  ///< interval that the location represents, on the kind's line
+  double extent = 0.0;          ///< [m]; if the kind's extent is unknown, a quantile of its prior
   double log_prior = 0.0;       ///< ln P(location | one defect of this kind)
   /// Nodes, ascending; a single node if the severity is known
   std::vector<double> severities = {};
   Eigen::MatrixXd shifts = {};  ///< p x nodes; NaN: an impossible structure
 };
 
-/// All paths of all kinds of defect in a case. `modes`: p entries, the elastic mode (from 0) of
-/// each feature. Throws InvalidInput, fem::InvalidStructure.
+/// All paths of all kinds of defect in a case. `modes` gives the elastic mode (from 0) of each of
+/// the p features. Throws InvalidInput, fem::InvalidStructure.
 [[nodiscard]] std::vector<DefectPath> defect_paths(const DamageCase& damage_case,
                                                    const std::vector<int>& modes, int threads);
 

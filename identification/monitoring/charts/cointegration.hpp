@@ -12,7 +12,7 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// `levels`: n x p, complete rows in order of time, n > 3 p + 3. The result has b' S11 b = 1.
+/// `levels` (n x p) has complete rows in order of time, n > 3 p + 3. The result b has b' S11 b = 1.
 [[nodiscard]] Eigen::VectorXd cointegrating_vector(const Eigen::MatrixXd& levels);
 
 }  // namespace wheeltap::identification::monitoring

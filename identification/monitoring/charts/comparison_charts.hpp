@@ -4,12 +4,12 @@
 //   the squared prediction error of principal components (Yan et al. 2005),
 //   the residual of cointegration (Cross, Worden & Chen 2011),
 //   T² of the residuals of Gaussian process regression on the covariates,
-//   CUSUM (Page 1954) and multivariate EWMA (Lowry et al. 1992) of the regression's residuals.
+//   CUSUM (Page 1954) and multivariate EWMA (Lowry et al. 1992) of the residuals of the regression.
 //
 // Each chart is trained on the training rows of the baseline. The threshold of a chart is
 // calibrated for the rate of false alarms that the case states. The calibration trains the chart on
 // two thirds of the training rows and evaluates it on the remaining third, for each third in turn.
-// The maxima over blocks of the evaluated rows give the threshold.
+// The maxima of the statistic over blocks of these rows give the threshold.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// A trained chart.
+/// A trained control chart.
 class ComparisonChart {
  public:
   virtual ~ComparisonChart() = default;
@@ -31,18 +31,18 @@ class ComparisonChart {
 
 struct ChartKind {
   std::string name;
-  bool of_covariates = false;  ///< true: requires a covariate that varies
+  bool of_covariates = false;  ///< true: the chart requires a varying covariate
   int fewest_features = 1;
-  /// Number of rows for the running median of the statistic, so that single outliers raise no
-  /// alarm; 1: no median.
+  /// Number of rows over which the running median of the statistic is taken, so that single
+  /// outliers raise no alarm; 1: no median.
   int median_rows = 1;
   std::function<std::unique_ptr<ComparisonChart>(const Series& learning)> learn;
 };
 
-/// The charts, in the order of the list above.
+/// The charts, in the order of the list at the top of this file.
 [[nodiscard]] const std::vector<ChartKind>& chart_kinds();
 
-/// Smallest number of rows for a running median of the statistic (ChartKind::median_rows).
+/// With fewer training rows, charts use no running median (ChartKind::median_rows).
 inline constexpr int kFewestRowsForMedian = 200;
 
 /// An alarm ends after this many rows below the threshold.
@@ -51,20 +51,20 @@ inline constexpr int kRowsBelow = 24;
 struct ChartFinding {
   std::string name;
   double threshold = 0.0;
-  std::vector<double> statistic = {};  ///< one per row after the training period; NaN: none
+  std::vector<double> statistic = {};  ///< per row after the training period; NaN: not computed
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 
-/// Runs every chart that the series allows. The first `learning_rows` rows are the training rows.
+/// Runs all charts that are possible for the series. The first `learning_rows` rows train them.
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 
-/// The threshold that healthy values exceed once in `rows_between` rows on average. The maxima over
-/// blocks are assumed to follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)),
-/// fitted by L-moments (Hosking 1990).
+/// The threshold that the statistic of healthy rows exceeds once in `rows_between` rows on average.
+/// The maxima over blocks are assumed to follow a Gumbel distribution, P(maximum <= A) =
+/// exp(-exp(-(A - m)/s)), fitted by L-moments (Hosking 1990).
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
-/// Rows in which an alarm begins.
+/// Returns the rows in which an alarm begins.
 [[nodiscard]] std::vector<int> chart_alarms(const std::vector<double>& statistic, double threshold);
 
 }  // namespace wheeltap::identification::monitoring

@@ -1,21 +1,21 @@
-// The loops over candidate onsets of one parameter draw (candidate_bank.hpp), one candidate in each
-// lane.
+// The loops over candidate onsets of one parameter draw (candidate_bank.hpp), with one candidate in
+// each SIMD lane.
 //
-// The loops are compiled for several register widths, so this header uses only plain pointers and
-// numbers (base/simd.hpp). No operation depends on the width.
+// The loops are compiled for several SIMD widths, so this header must not include library code
+// (base/simd.hpp). No result depends on the width.
 //
 // Candidates are stored in tiles of kTile. A tile is a list of rows of kTile numbers; the layout
-// gives the first row of each quantity. Covariances hold the lower half, row by row. If one feature
-// shifts alone, its shift has the precision q = 1/prior + `precision` and the mean `information`/q;
-// both sums are common to all prior sizes. Weights are not logarithms; their index is hypothesis
-// kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
+// gives the first row of each quantity. Covariances hold the lower triangle, row by row. If one
+// feature shifts alone, its shift has the precision q = 1/(prior variance) + `precision` and the
+// mean `information`/q; these sums are common to all prior sizes. Weights are stored without
+// logarithm, at hypothesis · kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
 #pragma once
 
 namespace wheeltap::identification::monitoring::detail {
 
 inline constexpr int kTile = 8;              ///< candidates in a tile
-inline constexpr int kSizes = 3;             ///< number of prior sds of a shift
-inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not count
+inline constexpr int kSizes = 3;             ///< number of prior sizes of a shift
+inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that are not used
 
 struct CandidateLayout {
   int features, block;
@@ -55,33 +55,33 @@ struct CandidateTiles {
 };
 
 struct RowStart {
-  const double* h;         ///< block: observation vector of every feature
+  const double* h;         ///< observation vector of every feature
   double fast, slow;       ///< decays of both drifts since the previous row
   const char* is_present;  ///< p
 };
 
-/// The e-th present entry of a row, for feature j.
+/// Entry e among the present entries of a row; it belongs to feature j.
 struct Entry {
   int j, e;
   double v, s;          ///< innovation without a shift, and its variance
-  double degrees;       ///< of Student's t; infinity: Gaussian
-  const double* along;  ///< e: h'k_i of feature j for the gains k_i of earlier entries
+  double degrees;       ///< degrees of freedom of Student's t; infinity: Gaussian
+  const double* along;  ///< h'k_i of feature j for the gains k_i of the e earlier entries
   const double* prior;  ///< kSizes x p: inverse prior variances
 };
 
 struct CandidateKernel {
   const char* name;
-  /// Decays the sensitivities of the drift, projects them on h, and resets the sums of the row.
+  /// Multiplies the sensitivities of the drifts by their decays, projects them on h, resets sums.
   void (*begin)(const CandidateTiles& tiles, const RowStart& row);
   /// Adds the densities of an entry under every hypothesis, relative to the density without a
-  /// shift. Returns the mean inflation of noise of the candidates' most probable hypotheses,
-  /// weighted by the mass of the candidates; 0: no candidate counts.
+  /// shift. Returns the mean noise inflation of the candidates' most probable hypotheses, weighted
+  /// by the candidates' posterior masses; 0 if all candidates are excluded.
   double (*score)(const CandidateTiles& tiles, const Entry& entry);
-  /// Conditions shifts on the entry that was scored last; `inflated`: variance of the update.
+  /// Conditions shifts on the entry that was scored last, with the variance `inflated`.
   void (*update)(const CandidateTiles& tiles, const Entry& entry, double inflated);
   /// Updates the sensitivities with the gains of the entries (states x `entries`, entry by entry).
   void (*finish)(const CandidateTiles& tiles, int entries, double degrees, const double* gains);
-  /// Multiplies the weights by exp(log ratio + offset - reference); `reference`: tiles x kTile.
+  /// Multiplies the weights by exp(log ratio + offset - reference); `reference` is tiles x kTile.
   void (*weigh)(const CandidateTiles& tiles, double offset, const double* reference);
   /// Divides the weights of all draws by `totals` (tiles x kTile) and redistributes `share` evenly
   /// between the draws.

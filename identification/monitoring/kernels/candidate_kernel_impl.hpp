@@ -13,10 +13,10 @@ namespace {
 
 constexpr int kWidth = WHEELTAP_MONITORING_WIDTH;
 using Vec = double __attribute__((vector_size(kWidth * sizeof(double)), may_alias, aligned(8)));
-constexpr double kLeastWeight = 1e-280;  // positive, so that a hypothesis can recover
+constexpr double kLeastWeight = 1e-280;  // positive, so that a weight can recover
 constexpr int kFlushed = 8;              // entries in a product before its logarithm is added
 
-/// One vector of lanes of a tile's rows.
+/// The rows of a tile, restricted to one vector of lanes.
 struct Lanes {
   double* first;
   Vec& operator[](int row) const {
@@ -80,15 +80,15 @@ void begin(const CandidateTiles& of, const RowStart& row) {
   });
 }
 
-/// Log density of the row relative to that without a shift, from products of relative scales and of
-/// Student t tails. For Gaussian noise, `tails` is already the logarithm, -½ the sum of squares.
+/// Log density of the row relative to the one without a shift, from products of relative scales and
+/// of Student t tails. For Gaussian noise, `tails` is already the logarithm: -½ the sum of squares.
 template <bool kNormal>
 inline Vec log_of(Vec scales, Vec tails, double degrees) {
   if constexpr (kNormal) return -0.5 * log(scales) + tails;
   return (0.5 * degrees) * log(scales) - (0.5 * (degrees + 1.0)) * log(tails);
 }
 
-/// Products of an entry under one hypothesis.
+/// Multiplies the products of one hypothesis by the factors of an entry.
 template <bool kNormal>
 struct EntryTerms {
   double degrees, inverse_scale, inverse_tail, square;
@@ -106,7 +106,7 @@ struct EntryTerms {
   }
 };
 
-/// Covariance of a shift times g; returns g' covariance g.
+/// Writes the covariance of a shift times g to `spread`; returns g' covariance g.
 inline Vec spread_of(int p, Lanes covariance, Lanes g, Lanes spread) {
   for (int i = 0, at = 0; i < p; ++i) {
     Vec sum{};
@@ -185,7 +185,7 @@ double score_entry(const CandidateTiles& of, const Entry& entry) {
     }
   });
   if constexpr (kNormal) return 1.0;
-  // The sums have one part for each lane of a tile, so that they do not depend on the width.
+  // One partial sum per lane of a tile, so that the sums do not depend on the width.
   alignas(64) double top = kExcluded, weights[kTile] = {}, sums[kTile] = {};
   each(of, [&](Lanes, Lanes scratch, std::ptrdiff_t) {
     const Vec mass = scratch[at.log_mass()];

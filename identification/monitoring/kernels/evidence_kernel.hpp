@@ -1,30 +1,30 @@
-// The loop of the training's evidence (marginal_likelihood.hpp) for several features at once, one
-// feature in each lane.
+// The loop that computes the evidence in training (marginal_likelihood.hpp) for several features at
+// once, one feature in each SIMD lane.
 //
-// The loop is compiled for several register widths, so this header uses only plain pointers and
-// numbers (base/simd.hpp). No operation depends on the width.
+// The loop is compiled for several SIMD widths, so this header must not include library code
+// (base/simd.hpp). No result depends on the width.
 #pragma once
 
 namespace wheeltap::identification::monitoring::detail {
 
 inline constexpr int kLanes = 8;
-/// Largest number of columns (terms and the feature).
+/// Largest number of columns: one per term and one for the feature.
 inline constexpr int kMostColumns = 24;
 
-/// One group of kLanes features over n rows, K terms. Missing entries have the variance 0.
+/// Input for a group of kLanes features: n rows and K terms. Missing entries have the variance 0.
 struct EvidenceRows {
   int rows, terms;
   const double* table;       ///< n x K: phi of each row
   const double* values;      ///< n x kLanes
   const double* variance;    ///< n x kLanes: noise variance with σ = 1
-  const double* fast_decay;  ///< n: exp(-rate·step) since the previous row
-  const double* slow_decay;  ///< n: decay of the slow drift
+  const double* fast_decay;  ///< n: decay of the fast drift since the previous row
+  const double* slow_decay;  ///< n: decay of the slow drift since the previous row
   const double* fast_ratio;  ///< kLanes
   double slow_ratio;
 };
 
 struct EvidenceSums {
-  double* gram;        ///< (K + 1)(K + 2)/2 x kLanes: lower half of Σ w wᵀ, w whitened [phi, y]
+  double* gram;        ///< (K + 1)(K + 2)/2 x kLanes: lower part of Σ w wᵀ, w whitened [phi, y]
   double* log_scales;  ///< kLanes: Σ ln of the innovations' variances
 };
 

@@ -22,7 +22,7 @@ inline void store(const Vec& value, double* to) {
   std::memcpy(to, &value, sizeof value);
 }
 
-/// Lanes first … first + kWidth - 1. kColumns: terms + 1, or 0 for any number.
+/// Processes lanes first … first + kWidth - 1. kColumns: number of terms + 1, or 0 for any number.
 template <int kColumns>
 void accumulate_lanes(const EvidenceRows& of, int first, const EvidenceSums& sums) {
   constexpr int kRoom = kColumns > 0 ? kColumns : kMostColumns;

@@ -8,13 +8,13 @@
 
 namespace wheeltap::identification {
 
-/// A vibration mode of the linear part of the chain of masses (dynamics/linear_modes.hpp).
+/// Posterior of a vibration mode of the chain's linear part (dynamics/linear_modes.hpp).
 struct ChainMode {
   Marginal frequency_hz, damping_ratio;
 };
 
-/// Vibration modes of a model with draws, sorted by frequency, from at most 500 evenly spaced draws
-/// per Markov chain. The result is empty if the number of modes differs between draws.
+/// Computes the modes of a model with draws, sorted by frequency, from at most 500 evenly spaced
+/// draws per Markov chain. The result is empty if the number of modes differs between draws.
 [[nodiscard]] std::vector<ChainMode> chain_modes(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 

@@ -1,4 +1,4 @@
-// Force laws of the links of a chain of masses, as curves.
+// Curves of force against extension and rate for the links of a chain of masses.
 #pragma once
 
 #include <optional>
@@ -9,36 +9,36 @@
 
 namespace wheeltap::identification {
 
-/// The posterior of a link's static tension [N] (dynamics/link_tension.hpp) under one model, for
-/// the extensions [m] that occur in the motion at the posterior mean.
+/// The posterior of a link's static tension [N] (dynamics/link_tension.hpp) under one model, at the
+/// extensions [m] that occur in the motion predicted at the posterior mean.
 struct LinkCurve {
   int a = 0, b = 0;  ///< masses at the ends of the link
   std::vector<double> extension;
   std::vector<double> q2_5, q50, q97_5;  ///< quantiles of the tension
 };
 
-/// One curve per link of a model with draws. Links with the same force law in every draw are
-/// omitted. The curves use at most 400 draws, evenly spread over the Markov chains. The result is
-/// empty if the simulation of the model fails at the posterior mean.
+/// Computes one curve per link of a model with draws. Links whose force law is the same in every
+/// draw are omitted. The curves use at most 400 draws, evenly spread over the Markov chains. The
+/// result is empty if the simulation of the model fails at the posterior mean.
 [[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                               const inference::Posterior& posterior,
                                                               int model);
 
-/// Force law of a link, averaged over the models. The average uses weighted draws of all models,
-/// each with the force laws of its model.
+/// Force law of a link, averaged over the models: over weighted draws of all models, each evaluated
+/// with its model's force laws.
 struct LinkLaw {
   /// Static tension for the extensions that occur in the motion at the posterior mean of the most
   /// probable model.
   LinkCurve at_rest;
-  /// The tension at zero extension [N] over the rates [m/s] of the motion at the posterior mean.
+  /// The tension at zero extension [N] against the rates [m/s] that occur at the posterior mean.
   /// Force laws with memory do not contribute to this tension.
   std::vector<double> rate, q2_5, q50, q97_5;
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
   /// a mass without other links; empty for other links. The map gives the tension Σ F - m ÿ of the
   /// measured motion against extension and rate, with m at its posterior mean, at up to 500 points.
   /// Extension, rate and acceleration are measured, or finite differences of measured values with
-  /// the longest step that the frequency of the motion allows (half a radian). Otherwise, they come
-  /// from the model.
+  /// the longest step that the frequency of the motion allows (half a radian). Quantities without
+  /// measured values come from the model.
   struct Point {
     double extension = 0.0, rate = 0.0, tension = 0.0;
   };

@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification {
 
-/// Sum of all links between masses a and b, at the scored samples. The extension of these links is
-/// e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
+/// Path of all links between masses a and b together, at the scored samples. Their extension is e =
+/// z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
   std::vector<double> extension;  ///< extension e [m] in the model's motion
@@ -34,10 +34,10 @@ struct LinkPath {
 /// determine the tensions of links in a closed loop. In this case, and if the simulation fails, the
 /// result is empty.
 ///
-/// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured, it
-/// is computed from a measured velocity or displacement by finite differences of order eight
-/// (Fornberg 1988). `measured` is omitted if the noise of the tension, estimated from sixth
-/// differences, would exceed a tenth of the tension's range.
+/// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured,
+/// finite differences of order eight of a measured velocity or displacement replace it (Fornberg
+/// 1988). `measured` is omitted if the noise of this tension, estimated from sixth differences,
+/// would exceed a tenth of the tension's range.
 [[nodiscard]] std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
                                                std::span<const double> theta);
 

@@ -16,17 +16,17 @@ namespace wheeltap::identification {
 
 /// Results of a model with draws, in addition to the results common to all kinds of runs.
 struct SidModelFinding {
-  std::vector<double> best_draw;  ///< best draw, in the order of the model's parameters
+  std::vector<double> best_draw;  ///< parameters of the draw with the highest posterior density
   std::vector<ChannelFit> at_mean, at_best;
-  std::vector<std::vector<ChannelFit>> further;  ///< fits at the best draw, for each further record
+  std::vector<std::vector<ChannelFit>> further;  ///< fits of each further record, at the best draw
   int substeps = 0;  ///< time steps per sample at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
   // Computed only for models with a probability of at least 5 %:
   std::optional<std::vector<LinkCurve>> links;
-  std::vector<ChainMode> modes;  ///< vibration modes of the linear part
+  std::vector<ChainMode> modes;  ///< modes of the linear part of the chain
 };
 
-/// Log Bayes factor ln (p(data | model) / p(data | against)).
+/// Log Bayes factor ln (p(data | model) / p(data | against)) of two models.
 struct BayesFactor {
   int model = 0, against = 0;
   std::optional<double> log;  ///< empty if the evidence of a model is unknown
@@ -37,15 +37,15 @@ struct BayesFactor {
 struct SidFindings : Findings {
   /// One entry per model; empty for models without draws
   std::vector<std::optional<SidModelFinding>> of_models;
-  /// Bayes factor of each further model against the first model
+  /// Bayes factor of each model after the first against the first model
   std::vector<BayesFactor> bayes_factors;
-  std::vector<double> coverage;  ///< share of each response's samples within the predictive band
+  std::vector<double> coverage;  ///< share of each response's samples within its predictive band
   int predictive_draws = 0;
-  Discovery discovery;  ///< results of the discovery; empty if not requested
-  /// Part of the record that a quick run used; empty if it used all samples
+  Discovery discovery;  ///< results of the discovery of force laws; empty if not requested
+  /// Part of the record that a quick run used; empty if the run used all samples
   std::optional<Look> look;
-  std::optional<StepsRefined> refined;  ///< new time steps, if the run was repeated
-  /// Number of likelihood evaluations for windows; each evaluation uses a part of the record
+  std::optional<StepsRefined> refined;  ///< new integration settings, if the run was repeated
+  /// Number of likelihood evaluations for windows; each evaluation uses one window only
   long windows_evaluations = 0;
 };
 

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 /// The fits of all windows under one model.
 struct ModelWindows {
   int windows = 0;  ///< number of windows, over all records
-  int fitted = 0;   ///< number of windows with a posterior mode and normal approximation
+  int fitted = 0;   ///< number of windows with a normal approximation at a posterior mode
   /// One entry per parameter of the model; empty for initial states, and if fewer than two windows
   /// have information about the parameter.
   std::vector<std::optional<BetweenWindows>> parameters = {};
@@ -25,18 +25,18 @@ struct ModelWindows {
   long likelihood_evaluations = 0;
 };
 
-/// Bounds [first, last) of each window in one record. Windows are parts of the scored samples whose
-/// lengths differ by at most one sample; if SidCase::windows is 0, one window has all samples.
+/// Samples [first, last) of each window in one record. Windows divide the scored samples; their
+/// lengths differ by at most one sample. If SidCase::windows is 0, one window has all samples.
 [[nodiscard]] std::vector<std::pair<int, int>> window_bounds(const SidCase& sid_case);
 
-/// Restricts the scoring of one record to samples [first, last). The samples before the window,
-/// from the start of the record, are integrated but not scored. The likelihood of a window is a
+/// Restricts the scoring of one record to the window [first, last). The samples before the window
+/// are integrated from the start of the record, but not scored. The likelihood of a window is a
 /// factor of the likelihood of the whole record,
 ///
 ///   ln p(r_1 … r_N | θ) = Σ_w ln p(r_w | θ)   (white residuals),
 ///
-/// so windows need no additional parameters, and their estimates are consistent with the estimates
-/// of the whole record.
+/// so windows need no additional parameters, and their estimates are consistent with those of the
+/// whole record.
 [[nodiscard]] SidCase window_case(SidCase sid_case, int first, int last);
 
 /// Fits the hierarchical model of Sedehi, Papadimitriou & Katafygiotis (2019, Mech. Syst. Signal
@@ -45,23 +45,23 @@ struct ModelWindows {
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
-/// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
-/// normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
+/// cannot be wider than this prior. As in that paper, the posterior of each window is replaced by
+/// its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
 /// this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///
 /// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
-/// least two windows; useful credible intervals need five or more. The estimates ẑ_w and s_w no
-/// longer contain the window's prior N(0, 1). Windows of further records count in the same way. A
-/// normal log posterior decreases by 2 at two standard deviations from the posterior mode, along
-/// the regression on the parameter. A window with a decrease below 1 or above 4 counts as far from
-/// normal.
+/// least two windows; for credible intervals of useful width, five or more. The estimates ẑ_w and
+/// s_w no longer contain the window's prior N(0, 1). Windows of further records are used in the
+/// same way. A normal log posterior decreases by 2 at two standard deviations from the posterior
+/// mode, along the regression on the parameter. If the decrease is below 1 or above 4, the window
+/// counts as far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
-/// This limit differs from the mean of the windows, because windows with more information have more
-/// weight. The scores of the windows give the error of the whole record's posterior mode relative
-/// to the limit (inference/statistics/grouped_scores.hpp).
+/// This limit differs from the mean of the estimates of the windows, because windows with more
+/// information have more weight. The scores of the windows give the error of the whole record's
+/// posterior mode relative to the limit (inference/statistics/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 

@@ -15,20 +15,20 @@ struct TermFinding {
   std::string name;        ///< force law and side: "contact closing"
   int a = 0, b = 0;        ///< masses at the ends of the link
   double prior = 0.5;      ///< prior inclusion probability
-  double inclusion = 0.0;  ///< posterior inclusion probability: sum over models with the term
+  double inclusion = 0.0;  ///< posterior inclusion probability: total of models with the term
   double mcse = 0.0;       ///< Monte Carlo standard error of `inclusion`
   bool drawn = false;      ///< true if any Markov chain has a draw with the term
-  /// Unknown coefficients of the term, given its inclusion
+  /// Unknown coefficients of the term, given that the term is included
   std::vector<ParameterFinding> parameters = {};
 
-  /// True for an included term: its inclusion probability is above the limit kDecided. The next
-  /// function is true for an excluded term: its inclusion probability is below 1 - kDecided.
+  /// True if the inclusion probability is above kDecided, so that the term counts as included. The
+  /// next function is true if it is below 1 - kDecided: the term counts as excluded.
   [[nodiscard]] bool is_in() const { return inclusion > kDecided; }
   [[nodiscard]] bool is_out() const { return inclusion < 1.0 - kDecided; }
   static constexpr double kDecided = 0.9;
 };
 
-/// Results of a discovery; no terms if the case requests none.
+/// Results of a discovery of force laws; without terms if the case requests no discovery.
 struct Discovery {
   std::vector<TermFinding> terms;  ///< terms in the order of the case
   /// Force laws of the links with optional terms, averaged over all models
@@ -36,10 +36,10 @@ struct Discovery {
 };
 
 /// Computes inclusion probabilities from the model probabilities
-/// (inference/diagnosis/standing.hpp), which use the evidence for models without reliable draws.
-/// The error combines two parts: the error of the mean of the term's indicator over the Markov
-/// chains (at least the effect of one effective draw), and the errors of model probabilities
-/// from evidence.
+/// (inference/diagnosis/standing.hpp), which use the evidence of models whose draws are not
+/// reliable. The error of an inclusion probability combines two parts: the error of the mean of the
+/// term's indicator over the Markov chains (at least the effect of one effective draw), and the
+/// errors of model probabilities from evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,
                                                      const Findings& findings);

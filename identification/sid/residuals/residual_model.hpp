@@ -24,12 +24,12 @@ struct ResidualParameter {
   std::string_view unit;  ///< SI unit of the parameter; "1": dimensionless
 };
 
-/// Parts of a residual model's name in sentences: "an" "autoregression" " of order 2".
+/// Parts of the name of a residual model in a sentence: "an" "autoregression" " of order 2".
 struct ResidualWords {
   std::string_view article = {};
   std::string_view name = {};
   std::string detail = {};
-  std::string_view remedy = {};  ///< advice to the user if the innovations are not white
+  std::string_view remedy = {};  ///< advice to the user in case the innovations are not white
 };
 
 /// Innovations of the residuals: independent and N(0, variance) if the residual model is correct.
@@ -45,8 +45,8 @@ class ResidualModel {
   virtual ~ResidualModel() = default;
 
   [[nodiscard]] virtual ResidualWords words() const = 0;
-  /// The kind of the residual model and its value in a case file; null and 0 if case files cannot
-  /// name the model.
+  /// The kind of the residual model, and its value in a case file; null and 0 if a case file cannot
+  /// name the residual model.
   [[nodiscard]] virtual const ResidualKind* kind() const { return nullptr; }
   [[nodiscard]] virtual int value() const { return 0; }
   /// The parameters for one response, in the order of `c`. `channel` is a part of each name, so
@@ -63,13 +63,13 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations.
-  /// The default is the result of `standardise`, with variance σ².
+  /// Innovations for tests of whiteness, linear in r. A model may omit the first few. The default
+  /// implementation returns the result of `standardise`, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };
 
-/// Independent residuals, the default.
+/// The model of independent residuals, which is the default.
 [[nodiscard]] std::shared_ptr<const ResidualModel> white_residuals();
 
 /// Residual models that a case file names by {"residuals": {key: value}}. The value 0 means white
@@ -80,10 +80,10 @@ struct ResidualKind {
   std::string_view value_description;  ///< description of the value, for the schema
   int highest;                         ///< highest allowed value
   std::shared_ptr<const ResidualModel> (*make)(int value);
-  /// Chooses the value for the residuals of one response, which come from the best fit with white
+  /// Chooses the value from the residuals of one response in the best fit with white
   /// residuals.
   int (*choose)(std::span<const double> residuals);
-  std::string_view criterion;  ///< criterion of `choose`
+  std::string_view criterion;  ///< criterion by which `choose` selects
 };
 [[nodiscard]] std::span<const ResidualKind* const> residual_kinds();
 

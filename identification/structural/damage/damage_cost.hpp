@@ -6,14 +6,14 @@
 
 namespace wheeltap::identification {
 
-/// Cost of a run that uses FE solutions only; emulators cost less. The function builds neither the
-/// model space nor the beam's spectrum. `most_in_memory` as in inference::cost_of_sampling. Throws
-/// fem::InvalidStructure; throws std::invalid_argument if states do not fit their structure.
+/// Run time and memory of a run with FE solutions only. The function builds neither the model space
+/// nor the beam's spectrum. inference::cost_of_sampling explains `most_in_memory`. Throws
+/// fem::InvalidStructure; throws std::invalid_argument if states do not fit.
 [[nodiscard]] inference::RunCost cost_of_damages(const DamageCase& damage_case,
                                                  const inference::Options& options,
                                                  double most_in_memory);
 
-/// Cost of the FE runs that train the emulator; empty for finished tables, or without an emulator.
+/// Run time and memory of FE runs on a training grid; zero for any other emulator, or for none.
 [[nodiscard]] inference::RunCost cost_of_tables(const DamageCase& damage_case);
 
 }  // namespace wheeltap::identification

@@ -9,10 +9,10 @@
 
 namespace wheeltap::identification {
 
-/// Adds the remarks of structure_plausibility.hpp. Also reports data if at least half of the
-/// frequencies differ by more than a tenth and 5 sd from the predictions of 200 prior draws. Also
-/// reports the stated noise if it exceeds, for every frequency, twice the largest change that the
-/// damages of these draws cause.
+/// Returns the remarks of structure_plausibility.hpp. Also reports the data if at least half of the
+/// frequencies differ by more than a tenth and by more than 5 sd from all predictions of 200 prior
+/// draws. Also reports the stated noise if it exceeds, for every frequency, twice the range of
+/// these predictions.
 [[nodiscard]] std::vector<Remark> implausible(const DamageProblem& problem);
 
 }  // namespace wheeltap::identification

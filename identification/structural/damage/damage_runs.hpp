@@ -1,4 +1,4 @@
-// Design and execution of the FE runs with damages that train an emulator.
+// Design and execution of the FE runs of the damaged beam that train an emulator.
 #pragma once
 
 #include <functional>
@@ -16,47 +16,47 @@ namespace wheeltap::identification {
 struct RunOptions {
   int threads = 1;
   std::uint64_t seed = 1;                   ///< seed of the holdout runs
-  std::filesystem::path journal_stem = {};  ///< runs are saved in STEM.count_K; empty: not saved
+  std::filesystem::path journal_stem = {};  ///< each run is saved to STEM.count_K; empty: no file
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Computes the frequencies at the point of a run, instead of the FE solution. An empty point
-  /// means the intact beam.
+  /// Computes the frequencies of a run instead of the FE solution, from the point of the run. An
+  /// empty point means the intact beam.
   emulator::ModelFactory model = {};
-  /// Results of `run_part`; if given, the design is not run again.
+  /// Results of `run_part`; if given, no new runs are made.
   const emulator::TableFile* runs = nullptr;
 };
 
-/// The damages of a run's point location_1 [m], reduction_1, location_2 …, sorted by location.
+/// The damages at a run's point (location_1 [m], reduction_1, location_2 …), by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// One entry per factor of `count` damages: true for locations, along which the frequencies
-/// oscillate.
+/// One entry per factor of `count` damages: true for a location, along which frequencies oscillate;
+/// false for a reduction.
 [[nodiscard]] std::vector<bool> waves(int count);
 
-/// The elastic frequencies [Hz] at a run's point, by the FE solution.
+/// Computes the elastic frequencies [Hz] at a run's point by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// The elastic frequencies [Hz] at a run's point, by an external model. The model has inputs for
-/// the largest allowed number of damages (DamageProblemOptions::outside). Exceptions of the model
-/// are rethrown.
+/// Computes the elastic frequencies [Hz] at a run's point by an external model. The model has
+/// inputs for the largest allowed number of damages (DamageProblemOptions::outside). Exceptions of
+/// the model are rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
 
 /// Returns `options.model` or, by default, the FE solution.
 [[nodiscard]] emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis,
                                               const RunOptions& options);
 
-/// The first and the last element within the prior's support.
+/// The first and the last element within the support of this location prior.
 [[nodiscard]] std::pair<int, int> elements_of(const inference::Prior& location,
                                               const fem::Beam& beam);
 
 /// The design of `spec` for `count` damages: a grid, or points scattered over the priors of `kind`,
-/// with damages sorted by location, at midpoints, without duplicates. Throws std::invalid_argument
-/// for more than 10 million runs, and for a location prior that covers one element.
+/// with damages sorted by location, at midpoints of elements. Throws std::invalid_argument for more
+/// than 10 million runs, and for a location prior that covers one element.
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
-/// (`spec.csv`). If `spec.accuracy` is set, it determines the number of runs. Adds the number of
-/// new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// The table of training runs: new runs, previous runs (`options.runs`) or the user's (`spec.csv`).
+/// If `spec.accuracy` is set, it determines the number of runs. Adds the number of new runs to
+/// `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

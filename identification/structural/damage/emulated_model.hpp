@@ -1,4 +1,4 @@
-// A forward model with an emulator of its frequencies.
+// A forward model whose frequencies an emulator predicts.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::identification {
 
-/// Predicts frequencies and error variances (0 if `errs` is false) by the emulator. Uses `exact`
-/// for the intact structure, and if the ANOVA sum is not a valid frequency.
+/// The emulator predicts frequencies and error variances (0 if `errs` is false). The model `exact`
+/// predicts if the structure is intact, or if the ANOVA sum is not a valid frequency.
 class EmulatedModel final : public ForwardModel {
  public:
   EmulatedModel(std::shared_ptr<const FrequencyEmulator> emulator,

@@ -13,19 +13,19 @@
 
 namespace wheeltap::identification {
 
-/// An emulator for each number of damages 1 … max. Factors: location[1], reduction[1], location[2]
-/// … The FE model damages whole elements, so locations are rounded to the midpoint of their
-/// element. Damages are sorted by location, and damage i uses the i-th list of sites.
+/// An emulator for each number of damages 1 … max. Its factors are location[1], reduction[1],
+/// location[2] … Damages of the FE model cover whole elements, so locations are rounded to the
+/// midpoint of their element. Damages are sorted by location; damage i uses the i-th list of sites.
 class FrequencyEmulator {
  public:
-  /// Runs the design of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
-  /// error on holdout runs. `kind` gives the range of scattered designs. Throws
-  /// std::invalid_argument if a design exceeds 10 million runs or does not cover the priors, or if
-  /// `runs` is incomplete; throws FileError for the user's runs.
+  /// Makes the runs of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the error
+  /// on holdout runs. `kind` gives the range of scattered designs. Throws std::invalid_argument if
+  /// a design exceeds 10 million runs or does not cover the priors, or if `runs` is incomplete;
+  /// throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);
   /// Reads a table file made for this beam, whose interpolant is one of `types`. Throws
-  /// io::FileError; throws std::invalid_argument if the file holds too few counts or modes.
+  /// io::FileError; throws std::invalid_argument if the file holds too few tables or modes.
   static FrequencyEmulator load(const std::filesystem::path& path, const fem::Beam& beam,
                                 int max_count, int modes,
                                 InterpolantTypes types = interpolant_types());
@@ -34,7 +34,7 @@ class FrequencyEmulator {
 
   /// Computes the elastic frequencies [Hz] under `damages` (1 … max, sorted by location) and,
   /// unless `variance` is empty, the error variances [Hz²]. NaN if the ANOVA sum is not a valid
-  /// frequency. Throws std::out_of_range outside the tables' box.
+  /// frequency. Throws std::out_of_range outside the training domain.
   void evaluate(std::span<const fem::Damage> damages, std::span<double> out,
                 std::span<double> variance = {}) const;
 
@@ -42,7 +42,7 @@ class FrequencyEmulator {
   [[nodiscard]] int modes() const { return modes_; }
   /// Number of FE runs used for `count` damages.
   [[nodiscard]] Eigen::Index runs(int count) const;
-  /// FE runs of this process, for training and for measuring the error; 0 for a table from a file.
+  /// Number of FE runs made for training and for measuring the error; 0 for a table from a file.
   [[nodiscard]] long trained_runs() const { return trained_runs_; }
   [[nodiscard]] long fresh_runs() const { return fresh_runs_; }
   [[nodiscard]] const EmulatorError& error(int count) const {
@@ -53,11 +53,11 @@ class FrequencyEmulator {
   }
   /// Description: "multilinear in r, 10 sites x 4 levels".
   [[nodiscard]] std::string describe(int count) const;
-  /// True if an evaluation takes hundreds of microseconds instead of a few.
+  /// True if an evaluation takes hundreds of microseconds instead of a few microseconds.
   [[nodiscard]] bool is_slow() const;
 
-  /// A prior of `kind` that extends outside the box of a table: which prior (location or severity),
-  /// and a message.
+  /// A prior (location or severity) of `kind` that extends outside the training domain, and a
+  /// message.
   struct Outside {
     InvalidInput::Part part;
     std::string message;
@@ -65,7 +65,7 @@ class FrequencyEmulator {
   [[nodiscard]] std::optional<Outside> reaches_outside(const DefectKind& kind) const;
 
  private:
-  /// The interpolant for one count.
+  /// The interpolant for one number of damages.
   struct Part {
     const emulator::InterpolantType* type;
     emulator::Table table;
@@ -78,8 +78,8 @@ class FrequencyEmulator {
   }
   [[nodiscard]] int tables() const { return static_cast<int>(parts_.size()); }
   void add(const emulator::InterpolantType& type, emulator::Table table, int threads);
-  /// Adds the emulators for counts above those of the tables, by ANOVA. Requires tables for one and
-  /// two damages, and the intact frequencies in the table for two.
+  /// Adds, by ANOVA, the emulators for more damages than the tables cover. Requires tables for one
+  /// and two damages, and the intact frequencies in the table for two.
   void add_anova(emulator::Additive additive);
   void measure(const fem::Reanalysis& reanalysis, int count, Eigen::Index runs,
                const RunOptions& options);
@@ -96,7 +96,7 @@ class FrequencyEmulator {
   std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
-  /// Emulator for counts above those of the tables
+  /// Emulator for more damages than the tables cover
   std::shared_ptr<const emulator::AnovaEmulator> anova_;
 };
 

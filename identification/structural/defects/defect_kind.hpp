@@ -17,8 +17,8 @@ namespace wheeltap::identification {
 
 struct DefectKind;
 
-/// Effects of defects on a structure: defects at places on members and nodes, and direct changes of
-/// strains.
+/// Effects of defects on a structure: defects on members and nodes, and direct changes of the
+/// stiffness of strains.
 struct StructureEffects {
   fem::StructureDefects defects = {};
   fem::StructureChange change = {};
@@ -33,22 +33,22 @@ struct DefectType {
   std::string_view several = {};    ///< plural; default: the noun and an s
   std::string_view severity;        ///< name of the severity, a key in a case
   std::string_view severity_words;  ///< column heading: "stiffness lost"
-  std::string_view effect_words;    ///< precedes the severity in a sentence: "stiffness reduced by"
-  bool percent = false;             ///< severity is a share, shown in per cent
+  std::string_view effect_words;    ///< words before a severity: "stiffness reduced by"
+  bool percent = false;             ///< true: the severity is a share, shown in per cent
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();
   std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
-  /// Instead of a prior, the case may give the severity as a number, or omit it (rigid, ∞).
+  /// True if the case may give the severity as a number instead of a prior, or omit it (rigid, ∞).
   bool may_be_known = false;
   bool may_be_rotational = false;
-  /// Unit of the severity, "" for a share.
+  /// Unit of the severity; "" if the severity is a share.
   std::string_view (*unit)(const DefectKind&);
   /// Adds the effect of a defect at `location` [m] to a beam; null if the type is not for beams.
   void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
   /// Adds the effect of a defect to a structure; null if the type is not for structures.
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
-  /// Possible sites in a structure.
+  /// Parts of a structure that may have such a defect.
   enum class Sites { members, nodes, links, substructures };
   Sites sites = Sites::members;
   [[nodiscard]] std::string noun_plural() const {
@@ -61,8 +61,8 @@ struct DefectType {
   /// True if the change of the structure has a low rank, as the reanalysis requires;
   /// StatesLikelihood solves structures with other changes.
   bool has_low_rank = true;
-  /// True if two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂), so that defects can be
-  /// split and merged.
+  /// True if two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂), so that proposals can
+  /// split and merge defects.
   bool compounds = false;
 };
 
@@ -72,7 +72,7 @@ struct DefectType {
 /// Returns the type with this name, or nullptr if no type has this name.
 [[nodiscard]] const DefectType* find_defect_type(std::string_view name);
 
-/// A kind of defect in a case: a type, its possible counts and the priors of place and severity.
+/// A kind of defect in a case: its type, and the priors of its number, place and severity.
 struct DefectKind {
   struct Rigid {};
   using Severity = std::variant<Rigid, double, inference::Prior>;
@@ -86,14 +86,14 @@ struct DefectKind {
   std::string name = {}, plural = {};  ///< "damage", "damages"
   int min_count = 0;
   int max_count = 0;
-  std::vector<double> weights = {};  ///< prior probabilities of min_count … max_count; sum: 1
+  std::vector<double> weights = {};  ///< prior probabilities of counts min_count … max_count
   inference::Prior location;         ///< location on the line [m]
   Severity severity = Rigid{};
   bool rotation = false;  ///< for a support: true if it restrains the rotation
   SiteLine line = {};     ///< possible places; `location` is a prior on this line
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
-  std::optional<double> extent = {};  ///< length of a reduction [m]; empty: an element
-  std::optional<inference::Prior> extent_prior = {};  ///< replaces `extent` if unknown
+  std::optional<double> extent = {};  ///< length of a reduction [m]; empty: one element
+  std::optional<inference::Prior> extent_prior = {};  ///< if set, replaces `extent`
   fem::Direction direction = fem::Direction::y;       ///< direction of a support in a structure
   /// Members of each substructure, if substructures are groups of members.
   std::vector<std::vector<int>> groups = {};
@@ -102,7 +102,7 @@ struct DefectKind {
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
   }
-  /// Name of the sites on the line in a structure: "member", "node", "link" or "substructure".
+  /// Name of a site on the line of a structure: "member", "node", "link" or "substructure".
   [[nodiscard]] std::string site_name() const {
     switch (type->sites) {
       case DefectType::Sites::nodes:
@@ -121,7 +121,7 @@ struct DefectKind {
   [[nodiscard]] int parameters() const {
     return 1 + (severity_prior() ? 1 : 0) + (extent_prior ? 1 : 0);
   }
-  /// The severity if it is known: a number, or ∞.
+  /// The severity of a kind with known severity: a number, or ∞.
   [[nodiscard]] double known_severity() const {
     const double* number = std::get_if<double>(&severity);
     return number ? *number : std::numeric_limits<double>::infinity();

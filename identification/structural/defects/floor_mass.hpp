@@ -1,4 +1,4 @@
-// Mass added to one mass of a chain of masses: the equivalent of the defect type `mass`.
+// Mass added to one mass of a chain of masses, like the defect type `mass` for a member.
 #pragma once
 
 #include <limits>

@@ -1,4 +1,4 @@
-// Common properties of defect types whose severity is the lost share of the stiffness.
+// Common properties of defect types whose severity is the share of the stiffness that is lost.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification::defects {
 
-/// A severity r in [0, 1), called "reduction"; `bounds_words` is the text about the upper bound 1.
-/// The caller sets all other members.
+/// Returns a type whose severity r in [0, 1) is called "reduction"; `bounds_words` explains the
+/// upper bound 1. The caller sets all other members.
 [[nodiscard]] inline DefectType lost_share(std::string_view name, std::string_view noun,
                                            std::string_view bounds_words) {
   return {.name = name,

@@ -1,4 +1,4 @@
-// Stiffness reduction of a named group of members: a storey's columns, a chord, a batch of steel.
+// Stiffness reduction of a named group of members, such as the columns of a storey or a chord.
 #pragma once
 
 #include <limits>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification::defects {
 
-/// The stiffness of every strain of all members in the group is multiplied by 1 - r. The case key
-/// is "substructure", as for parts of another program's matrices.
+/// The stiffness of every strain of all members in the group is multiplied by 1 - r. The key in a
+/// case is "substructure", as for parts of matrices from another program.
 inline const DefectType kMemberGroup = [] {
   DefectType type = lost_share("substructure", "soft substructure",
                                "a reduction lies in [0, 1): 0 is intact, 1 has no stiffness");

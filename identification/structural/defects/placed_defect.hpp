@@ -1,4 +1,4 @@
-// Defects of a structure at places on the lines of their kinds, and their combined effect.
+// Defects at places on the lines of their kinds, and their combined effect on the structure.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ struct PlacedDefect {
   double extent = 0.0;  ///< extent [m], if the extent of the kind is unknown
 };
 
-/// The change of the structure due to these defects. `mesh`: null for structures without members.
+/// Change of the structure by these defects. `mesh` is null for structures without members.
 [[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
                                                     const std::vector<PlacedDefect>& defects,
                                                     const fem::Mesh* mesh);

@@ -9,26 +9,26 @@
 
 namespace wheeltap::identification {
 
-/// Maps one number x in [0, length()) to a place, as the engine requires. For a beam x is the
-/// location. For a structure, the allowed members are concatenated, each with a length proportional
-/// to its prior weight. Each member, joint, storey or substructure is one stretch of the line. A
-/// uniform location prior on the line then reproduces the weights. Cells are the units of reported
-/// probabilities: an element, or a whole joint.
+/// Maps one number x in [0, length()) to a place, because the engine requires scalar locations. For
+/// a beam x is the location. For a structure, the allowed members are concatenated, each with a
+/// length proportional to its prior weight. Each member, joint, storey or substructure is a stretch
+/// of the line. A uniform location prior on the line then reproduces the weights. Probabilities are
+/// reported per cell: an element, or a whole joint.
 class SiteLine {
  public:
   struct Stretch {
     int site;
-    std::string name;   ///< name of the site
+    std::string name;   ///< name of the site (member, joint …)
     double start, end;  ///< positions of the start and the end on the line
-    double size;        ///< [m] for a member; 0 for a point
-    int first_cell;     ///< index of its first cell
+    double size;        ///< length [m] of a member; 0 for a point
+    int first_cell;     ///< index of the site's first cell
   };
-  /// A place on the line.
+  /// The place of a point on the line.
   struct Spot {
     int stretch;
     int site;
     double s;  ///< [m] from the member's first end; 0 for a point
-    /// Length [m] of a defect, centred at the spot; 0 if it covers an element, or has no length.
+    /// Length [m] of a defect, centred at the spot; 0 for a point or a whole element.
     double extent = 0.0;
   };
 
@@ -44,15 +44,15 @@ class SiteLine {
                                           const std::vector<double>& weights = {});
 
   [[nodiscard]] bool empty() const { return stretches_.empty(); }
-  /// True if the line is a beam, where a location is reported by x alone.
+  /// True if the line is a beam, on which x alone is reported as the location.
   [[nodiscard]] bool is_beam() const { return is_beam_; }
   [[nodiscard]] double length() const { return stretches_.back().end; }
   [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
   [[nodiscard]] int cells() const { return static_cast<int>(bounds_.size()) - 1; }
   /// Start of cell c on the line; for c = `cells()`, the end of the line.
   [[nodiscard]] double cell_start(int c) const { return bounds_[static_cast<std::size_t>(c)]; }
-  /// The cell of x, with the rounding of Beam::element_at. Throws std::invalid_argument outside the
-  /// line.
+  /// The cell that contains x; near a boundary, x is rounded as in Beam::element_at. Throws
+  /// std::invalid_argument outside the line.
   [[nodiscard]] int cell_at(double x) const;
   [[nodiscard]] int stretch_of_cell(int c) const;
   /// The place at x on the line. Throws the exceptions of `cell_at`.

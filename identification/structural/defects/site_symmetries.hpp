@@ -15,9 +15,9 @@ namespace wheeltap::identification {
 /// Maps of the structure onto itself that preserve all frequencies for any defects. Frequencies
 /// cannot distinguish a place from its image under these maps.
 struct SiteSymmetries {
-  /// Maps of the location (parameter 0) on the kinds' lines, and their inverses
+  /// Maps of the location (parameter 0) on the lines of the kinds, and the inverse maps
   std::vector<inference::Symmetry> maps;
-  /// Groups of sites (members, nodes, links) that are images of each other, in the case's order.
+  /// Groups of sites (members, nodes, links) that are each other's images, in the case's order.
   std::vector<std::vector<std::string>> alike;
   /// Members whose ends a symmetry exchanges: s is the image of L - s, with L the length.
   std::vector<std::string> turned;
@@ -31,7 +31,7 @@ using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedD
 /// Tests all geometric self-maps (fem::self_maps) that leave the possible locations of every kind
 /// of defect, and their prior weights, unchanged. Keeps the maps that preserve the frequencies
 /// within a relative error of 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of
-/// each line in turn, and defects on all stretches together. Places and severities are drawn from
+/// each line in turn, then defects on all stretches together. Places and severities are drawn from
 /// the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,

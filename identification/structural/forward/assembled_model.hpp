@@ -1,4 +1,4 @@
-// Forward model of a structure (members, building or matrices), by reanalysis of a few defects.
+// Forward model of a structure with a few defects, by reanalysis: members, chains or matrices.
 #pragma once
 
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"
@@ -9,9 +9,9 @@ namespace wheeltap::identification {
 
 class AssembledModel final : public ForwardModel {
  public:
-  /// `modes`: number of modes to compute, including rigid-body modes. `motions`: the motion that
-  /// each sensor measures; empty if no mode shapes are needed. Throws fem::InvalidStructure,
-  /// std::invalid_argument.
+  /// `modes` is the number of computed modes, including rigid-body modes. `motions` has the motion
+  /// that each sensor measures; it is empty if no mode shapes are needed. Throws
+  /// fem::InvalidStructure, std::invalid_argument.
   AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
                  int rigid_body_modes, std::vector<fem::SparseRow> motions = {});
 

@@ -1,4 +1,4 @@
-// Forward model of a beam, by exact reanalysis of a few defects.
+// Forward model of a beam with a few defects, by exact reanalysis.
 #pragma once
 
 #include "fem/beam/reanalysis.hpp"
@@ -6,12 +6,12 @@
 
 namespace wheeltap::identification {
 
-/// Slopes are those of fem::Reanalysis: exact derivatives for reductions and stiffnesses, and
-/// differences of two further solutions for locations. There are no slopes if a kind of defect is
-/// not elementary (DefectType).
+/// The slopes of frequencies are those of fem::Reanalysis: exact derivatives by reductions and
+/// stiffnesses, and differences of two further solutions by location. The model has no slopes if a
+/// kind of defect is not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
-  /// `modes`: number of elastic modes. Throws std::invalid_argument under the conditions of
+  /// `modes` is the number of elastic modes. Throws the exceptions of the constructor of
   /// fem::Reanalysis.
   BeamModel(const fem::Beam& beam, std::vector<DefectKind> kinds, int modes, int rigid_body_modes);
 

@@ -1,4 +1,4 @@
-// Interface of forward models: the vibration of one structure with defects.
+// Interface of forward models, which predict the vibration of one structure with defects.
 #pragma once
 
 #include <functional>
@@ -19,32 +19,32 @@ struct Prediction {
   /// ∂f/∂location [Hz/m] and ∂f/∂severity of each defect: row-major, one row per frequency, one
   /// column per defect.
   std::vector<double> by_location = {}, by_severity = {};
-  /// Elastic modes at the sensors, per state.
+  /// Elastic modes of each state, with shapes at the sensors.
   std::vector<fem::ParametricModes::Modes> modes = {};
   /// Error variance of the model [Hz²], one per frequency; empty: exact.
   std::vector<double> error_variance = {};
 };
 
 /// Computes elastic frequencies (and modes at sensors) of a structure from its parameters and
-/// defects. Immutable and shared by threads; each thread has its own solver, which refers to the
-/// model.
+/// defects. Immutable and shared by threads; each thread has a separate solver, which the model
+/// must outlive.
 class ForwardModel {
  public:
   virtual ~ForwardModel() = default;
 
   enum class Quantity {
-    frequencies,  ///< `frequencies_hz`, as many as `out` holds
+    frequencies,  ///< as many frequencies as out.frequencies_hz has entries
     slopes,       ///< frequencies, `by_location` and `by_severity`
     modes         ///< `modes`
   };
 
-  /// Working memory of one thread.
+  /// Computes predictions in one thread, with separate working memory.
   class Solver {
    public:
     virtual ~Solver() = default;
     /// Computes `quantity` and, if the model is inexact, `error_variance` (empty before the call).
-    /// `theta`: parameters of the intact structure, if any. Returns false, with `out` undefined, if
-    /// the structure is impossible or the model does not provide the quantity.
+    /// `theta` has the unknown parameters of the intact structure, if any. Returns false, with
+    /// `out` undefined, if the structure is impossible or the model does not provide the quantity.
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
     /// Optional: for a structure without defects, writes the modes into `out` and their derivatives
@@ -67,12 +67,12 @@ class ForwardModel {
   };
   [[nodiscard]] virtual std::unique_ptr<Solver> make_solver() const = 0;
 
-  /// True if `differentiate_modes` succeeds for all, or nearly all, possible structures.
+  /// True if `differentiate_modes` succeeds for all possible structures, or for nearly all.
   [[nodiscard]] virtual bool differentiates_modes() const { return false; }
 
   /// Computes all frequencies [Hz] of a structure with these defects at generic parameters of the
-  /// intact structure, to test symmetries; empty if the structure is impossible. The function
-  /// refers to the model and is not thread-safe. Null for models without symmetries.
+  /// intact structure, to test symmetries; empty if the structure is impossible. The model must
+  /// outlive the function, which is not thread-safe. Null for models without symmetries.
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }
 

@@ -1,5 +1,5 @@
-// Observation of measured modes that are matched to computed modes instead of being identified by
-// number.
+// Observation of measured modes, which are matched to computed modes by their shapes and
+// frequencies instead of by number.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@
 
 namespace wheeltap::identification {
 
-/// Observed modes of a structure in one state or in several states.
+/// Measured modes of a structure in one state or in several states.
 class ModeObservation : public Observation {
  public:
   explicit ModeObservation(UnknownScatters scatters) : scatters_(std::move(scatters)) {}
 
-  /// Computed modes per state, and the matching of the measured modes.
+  /// Computed modes of each state, and their matching with the measured modes.
   struct Scored : Prediction {
     ModalLikelihood::Score score = {};
   };
@@ -29,20 +29,20 @@ class ModeObservation : public Observation {
   }
   double log_density(const Prediction& predicted, std::span<const double> noise,
                      inference::Evaluation& out) const override;
-  /// Scores predicted modes that are already computed. If the prediction has error variances, these
-  /// replace the error variances of `noise`.
+  /// Computes the score (log likelihood and matching) of modes that are already predicted. If the
+  /// prediction has error variances, these replace the error variances of `noise`.
   [[nodiscard]] ModalLikelihood::Score score(const Prediction& predicted, ModalNoise noise) const;
 
-  /// All measured modes of all states, concatenated.
+  /// The measured modes of all states, concatenated.
   [[nodiscard]] virtual const ModalData& data() const = 0;
   [[nodiscard]] virtual int states() const = 0;
   [[nodiscard]] virtual const ModalLikelihood& of(int state) const = 0;
-  /// Covariance [Hz²] of the measured frequencies; `with` receives their indices in the
-  /// concatenation.
+  /// Covariance [Hz²] of the measured frequencies; `with` receives the indices of these frequencies
+  /// in `data`.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
   /// True if stiffness errors are included (StiffnessErrors). In this case, the next function gives
-  /// ln p(mode | all others, x) for each mode of the concatenation.
+  /// ln p(mode | all other modes, x) for each mode of `data`.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,
                                                               const ModalNoise& /*noise*/) const {
@@ -62,11 +62,11 @@ class ModeObservation : public Observation {
   UnknownScatters scatters_;
 };
 
-/// Observes modes of one structure. Throws the exceptions of ModalLikelihood.
+/// Makes the observation of one structure's modes. Throws the exceptions of ModalLikelihood.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(const ModalData& data,
                                                                        UnknownScatters scatters);
 
-/// Observes modes of several states.
+/// Makes the observation of the modes of several states.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_states(
     std::shared_ptr<const StatesLikelihood> likelihood, UnknownScatters scatters);
 

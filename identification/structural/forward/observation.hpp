@@ -1,4 +1,4 @@
-// Interface of an observation: one kind of data, and its noise.
+// Interface of an observation: data of one kind, and their noise.
 #pragma once
 
 #include <span>
@@ -11,23 +11,23 @@
 
 namespace wheeltap::identification {
 
-/// Data of one kind. Given the prediction, these data are independent of all other data.
-/// Immutable and shared by threads.
+/// Data of one kind. Given the prediction and noise parameters, these data are independent of all
+/// other data. Immutable and shared by threads.
 class Observation {
  public:
   virtual ~Observation() = default;
 
   /// Unknown noise parameters.
   [[nodiscard]] virtual std::vector<inference::Parameter> parameters() const { return {}; }
-  /// Returns ln p(data | prediction, noise), with all normalisers. `noise`: values of `parameters`.
-  /// `predicted` has frequencies or modes, as the problem's first observation requires. Every
-  /// observation may append standardised residuals to `out`; only the first observation may change
-  /// other members of `out`.
+  /// Returns ln p(data | prediction, noise), with all normalising constants. `noise` has the values
+  /// of `parameters`. `predicted` has frequencies or modes, as the problem's first observation
+  /// requires. Every observation may append standardised residuals to `out`; only the first one may
+  /// change other members of `out`.
   virtual double log_density(const Prediction& predicted, std::span<const double> noise,
                              inference::Evaluation& out) const = 0;
 };
 
-/// Numbered lowest elastic frequencies; see NoiseModel.
+/// Measured frequencies of the lowest elastic modes, identified by number; see NoiseModel.
 class FrequencyObservation final : public Observation {
  public:
   explicit FrequencyObservation(FrequencyData data) : data_(std::move(data)) {}

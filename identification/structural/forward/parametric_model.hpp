@@ -1,4 +1,4 @@
-// Forward models of a structure with parameters: reduced basis or external model.
+// Forward models of a structure with unknown parameters: reduced basis or external model.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::identification {
 
-/// Modes at sensors by a reduced basis, with their gradient if the basis provides it.
+/// Modes at the sensors by a reduced basis, with derivatives if the basis provides them.
 class BasisModel final : public ForwardModel {
  public:
   explicit BasisModel(std::shared_ptr<const fem::ParametricModes> basis)
@@ -26,8 +26,8 @@ class BasisModel final : public ForwardModel {
 };
 
 /// Frequencies from an external program or server, or from its emulator, with error variances.
-/// Outside the emulator's box, the prediction fails: the box truncates the priors. The external
-/// model is not run there, because searches for posterior modes often leave the box.
+/// Outside the emulator's training domain, the prediction fails: the domain truncates the priors.
+/// Searches for posterior modes often leave the domain; the external model is not run there.
 class OutsideModes final : public ForwardModel {
  public:
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}

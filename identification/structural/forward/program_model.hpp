@@ -6,9 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// Obtains the elastic frequencies [Hz] from the program. Inputs: place [m] and severity (and
-/// extent [m], if unknown) of each defect. Each kind has inputs for its largest count of defects:
-/// first the existing defects in order of place, then zeros.
+/// The program computes the elastic frequencies [Hz] from place [m] and severity (and extent [m],
+/// if unknown) of each defect. It gets inputs for the largest number of defects of each kind: first
+/// the existing defects in order of place, then zeros.
 class ProgramModel final : public ForwardModel {
  public:
   ProgramModel(std::shared_ptr<OutsideModel> model, std::vector<DefectKind> kinds)

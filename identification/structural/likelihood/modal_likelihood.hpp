@@ -1,4 +1,4 @@
-// The likelihood of measured modes: frequencies and shapes, matched to computed modes.
+// The likelihood of measured modes (frequencies and shapes), which are matched to computed modes.
 #pragma once
 
 #include <memory>
@@ -15,28 +15,28 @@ namespace wheeltap::identification {
 
 /// Parameters of the noise and of the model errors in one state.
 struct ModalNoise {
-  double cov = 0.0;       ///< coefficient of variation of frequencies, if unknown
-  double shape_sd = 1.0;  ///< factor on the shapes' sd, if unknown
+  double cov = 0.0;       ///< measurement sd of f divided by f, if unknown
+  double shape_sd = 1.0;  ///< factor that multiplies the shapes' sd, if unknown
   double discrepancy = 0.0, shape_discrepancy = 0.0;
   double mixing = 0.0;                 ///< factor κ of the mixing of shapes, see `mixing_sd`
-  double stiffness_discrepancy = 0.0;  ///< σ in `StiffnessErrors`
+  double stiffness_discrepancy = 0.0;  ///< the σ of `StiffnessErrors`
   /// Error variance of an emulator [Hz²], one per measured mode; empty: exact.
   std::vector<double> emulator_variance = {};
 };
 
-/// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
-/// adjacent to f, if no eigenvalue gives exactly f).
+/// The eigenvalue λ [rad²/s²] for which √λ / 2π, in floating point, equals f [Hz] (or a number
+/// adjacent to f, if no eigenvalue gives f).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
-/// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
-/// δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). If
-/// off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal entries, the
-/// mixing is normal with sd
+/// Sd of the coefficient with which the model error δK mixes mode k into mode j. δK changes a
+/// frequency by δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j -
+/// λ_k). If off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal entries,
+/// the mixing coefficient is normal with sd
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
-/// limited to 1, the end of first-order validity (expansion: Fox & Kapoor 1968, AIAA J. 6:2426).
-/// For entries of a random symmetric matrix κ = 1/√2.
+/// limited to 1, beyond which first order is not valid (expansion: Fox & Kapoor 1968, AIAA J.
+/// 6:2426). For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
 /// The likelihood of measured modes. With A the assignment of measured modes to computed modes,
@@ -51,13 +51,13 @@ struct ModalNoise {
 ///
 /// Matching: without shapes, the i-th frequency belongs to the i-th elastic mode. With shapes, A is
 /// the assignment to the `candidates` lowest modes with the least cost for frequencies and shapes
-/// together. Data may therefore omit or reorder modes. Correlations of frequencies are used after
-/// the matching. Only the best matching is used: if another matching is nearly as good, the modes
+/// together. Data may therefore omit or reorder modes. Correlations of frequencies do not affect
+/// the matching. Only the best matching is used: another matching is nearly as good only if modes
 /// are close and similar.
 ///
 /// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
-/// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the standard
-/// deviation for the closest mode is the root of the sum of squares of `mixing_sd` and τ.
+/// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the mixing sd
+/// of the closest mode is √(mixing_sd² + τ²).
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and
@@ -69,18 +69,18 @@ struct ModalNoise {
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
-/// eigenvalues. A relative change of K by a thousandth has this effect. If more than two modes are
-/// close, each is rotated with the closest other mode.
+/// eigenvalues. A relative change of K of about a thousandth has this effect. If more than two
+/// modes are close, each is rotated with the mode closest to it.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
   static constexpr double kMixing = 1e-3;
   static constexpr double kBand = 1.5;
 
-  /// Throws std::invalid_argument for inconsistent data, naming the mode (from 1).
+  /// Throws std::invalid_argument for inconsistent data; the message names the mode (from 1).
   explicit ModalLikelihood(ModalData data);
 
-  /// One matched mode.
+  /// The match of one measured mode.
   struct Match {
     int computed = 0;           ///< 0-based index of the elastic mode
     double frequency_hz = 0.0;  ///< computed
@@ -90,14 +90,14 @@ class ModalLikelihood {
   };
   struct Score {
     double log_likelihood = 0.0;
-    double chi_square = 0.0;  ///< χ² of all modes that are probably not spurious
+    double chi_square = 0.0;  ///< χ² of all modes that are more probably real than spurious
     int freedoms = 0;         ///< degrees of freedom of `chi_square`
     std::vector<Match> matches;
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
-  /// Adds ln p of uncorrelated numbered frequencies to `log_density` and appends the computed
-  /// frequencies to `frequencies_hz`. Faster than `score`; returns false for other data.
+  /// For uncorrelated frequencies without shapes, adds ln p to `log_density` and appends the
+  /// computed frequencies to `frequencies_hz`; faster than `score`. Other data: returns false.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
   /// Input of StiffnessErrors for one measured shape: the comparison without stiffness errors, the
@@ -111,7 +111,7 @@ class ModalLikelihood {
   [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
                                          Eigen::Index computed, const ModalNoise& noise) const;
   /// Computes ∂ ln p/∂θ_j for the current matching, from the slopes of the modes. For shapes that
-  /// may be rotated or mixed, it uses differences of the density along these slopes.
+  /// may be rotated or mixed, the function uses finite differences along these slopes.
   void slope(const fem::ParametricModes::Modes& modes, const fem::ParametricModes::Slopes& slopes,
              const ModalNoise& noise, std::span<double> out) const;
   /// The Gauss-Newton approximation of -∂² ln p/∂θ², from the first derivatives of frequencies and
@@ -132,8 +132,8 @@ class ModalLikelihood {
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
     return shapes_[static_cast<std::size_t>(mode)];
   }
-  /// Number of modes to compute: measured modes, additional candidates and predicted modes; at most
-  /// `available`.
+  /// Number of modes to compute: measured modes, additional candidates and modes to be predicted;
+  /// at most `available`.
   [[nodiscard]] int candidates(int available) const;
 
  private:
@@ -149,13 +149,13 @@ class ModalLikelihood {
   [[nodiscard]] ShapeDensity::Mixing mixing_of(const fem::ParametricModes::Modes& modes, int mode,
                                                Eigen::Index computed,
                                                const ModalNoise& noise) const;
-  /// Probability that each measured mode is not spurious, given θ.
+  /// The probability, for each measured mode, that it is not spurious, given θ.
   [[nodiscard]] Eigen::VectorXd real(const fem::ParametricModes::Modes& modes,
                                      const ModalNoise& noise) const;
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,
                                        const Eigen::MatrixXd& covariance,
                                        const ModalNoise& noise) const;
-  /// ln ε p₀(f) p₀(ψ) for a mode.
+  /// ln(ε p₀(f) p₀(ψ)) of a measured mode.
   [[nodiscard]] double log_spurious(int mode) const;
   [[nodiscard]] Score score_with_doubt(const fem::ParametricModes::Modes& modes,
                                        const ModalNoise& noise) const;
@@ -163,7 +163,7 @@ class ModalLikelihood {
   ModalData data_;
   bool numbered_ = false;  // true: frequencies only, uncorrelated and never spurious
   std::vector<int> with_frequency_;
-  std::vector<std::vector<int>> entries_;  // sensors of each shape
+  std::vector<std::vector<int>> entries_;  // measured sensors of each shape
   std::vector<std::optional<ShapeDensity>> shapes_;
 };
 

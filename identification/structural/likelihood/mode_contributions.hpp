@@ -1,4 +1,4 @@
-// Contribution of single measured modes: the posterior without one mode, and comparison of shapes.
+// Contribution of each measured mode to the posterior, and comparison of shapes.
 #pragma once
 
 #include <span>
@@ -11,28 +11,28 @@
 
 namespace wheeltap::identification {
 
-/// ln p of each measured mode given the other modes at fixed parameters, that is the decrease of
-/// the log likelihood if the mode is omitted. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
+/// ln p of each measured mode given the other modes at fixed parameters: the log likelihood minus
+/// its value without the mode. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
 ///
 ///   r_i | the others ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
 ///
-/// shapes are independent of frequencies. `with`: modes with measured frequencies; `c`: their
-/// covariance [Hz²]. For possibly spurious modes (`data.doubt`), uses the densities of the
-/// matching.
+/// shapes are independent of frequencies. `with` lists the modes with measured frequencies, `c` is
+/// their covariance [Hz²]. If modes may be spurious (`data.doubt`), the densities of the matching
+/// are used.
 [[nodiscard]] Eigen::VectorXd single_mode_densities(const ModalData& data,
                                                     const std::vector<int>& with,
                                                     const Eigen::MatrixXd& c,
                                                     const ModalLikelihood::Score& score);
 
-/// The posterior without one mode: draws of the posterior with this mode, weighted by 1/p of the
-/// mode (importance sampling: Gelfand, Dey & Chang 1992).
+/// The posterior without one mode, as weighted draws of the posterior with this mode; the weights
+/// are 1/p of the mode (importance sampling: Gelfand, Dey & Chang 1992).
 struct WithoutMode {
-  std::vector<double> weights;  ///< one per draw; sum 1
+  std::vector<double> weights;  ///< one per draw; their sum is 1
   double information = 0.0;     ///< KL(posterior ‖ without) [nats]
-  bool reliable = true;         ///< the effective number of draws is 50 or more
+  bool reliable = true;         ///< true if the effective sample size is 50 or more
 };
-/// `log_density`: log density of the mode at each draw. `weights`: weights of the draws in the
-/// posterior; empty: all 1.
+/// `log_density` is the log density of the mode at each draw. `weights` are the weights of the
+/// draws in the posterior; empty: all 1.
 [[nodiscard]] WithoutMode without_mode(std::span<const double> log_density,
                                        std::span<const double> weights = {});
 

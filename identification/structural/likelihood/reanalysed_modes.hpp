@@ -19,17 +19,17 @@
 namespace wheeltap::identification {
 
 /// A reanalysis represents unknown parameters as scales of the whole structure and as low-rank
-/// changes (fem::ScaledStructure), in addition to the changes by damages. Frequencies are
-/// therefore as accurate as for known parameters: relative error 1e-9, or the error bound of
-/// fem::StructureReanalysis. fem::Reanalysis solves a beam whose parameters change only the
-/// scales.
+/// changes (fem::ScaledStructure), in addition to the changes by damages. Frequencies are therefore
+/// as accurate as for known parameters: their relative error is 1e-9, or the error bound of
+/// fem::StructureReanalysis. A beam whose parameters change only the scales is solved by
+/// fem::Reanalysis.
 ///
-/// Immutable; each thread needs its own workspace.
+/// The object is immutable; each thread needs a separate workspace.
 class ReanalysedModes {
  public:
-  /// `modes`: the largest number of elastic modes. `beam`: the beam that the nominal structure
-  /// represents, or null. `samples`: parameters of the model. Null if a reanalysis cannot
-  /// represent the parameters. Throws fem::InvalidStructure, std::invalid_argument.
+  /// `modes` is the largest number of elastic modes, `beam` the beam that the nominal structure
+  /// represents (or null); `samples` holds parameter values of the model. Returns null if a
+  /// reanalysis cannot represent them. Throws fem::InvalidStructure, std::invalid_argument.
   [[nodiscard]] static std::shared_ptr<const ReanalysedModes> make(
       const std::shared_ptr<const StructureModel>& model, std::vector<DefectKind> kinds, int modes,
       const fem::Beam* beam, std::span<const std::vector<double>> samples);
@@ -44,7 +44,7 @@ class ReanalysedModes {
 
   struct Wanted {
     int modes = 1;                                            ///< number of elastic modes
-    std::span<const fem::SparseRow> motions = {};             ///< motions of the sensors
+    std::span<const fem::SparseRow> motions = {};             ///< motions that sensors measure
     std::span<const fem::StructureChange::Mass> masses = {};  ///< added masses
   };
   using Outcome = fem::ScaledStructure::Outcome;
@@ -57,13 +57,13 @@ class ReanalysedModes {
 
   ReanalysedModes(fem::ScaledStructure scaled, std::vector<DefectKind> kinds)
       : scaled_(std::move(scaled)), kinds_(std::move(kinds)) {}
-  /// Computes the frequencies [Hz] of the base beam or structure, and its shapes.
+  /// Computes frequencies [Hz] and shapes of the base beam or structure.
   Outcome solve_base(std::span<const double> values, const std::vector<PlacedDefect>& defects,
                      const Scales& scales, const Wanted& wanted, Workspace& workspace) const;
 
   fem::ScaledStructure scaled_;
   std::vector<DefectKind> kinds_;
-  std::shared_ptr<const fem::Mesh> mesh_;  ///< mesh of the base structure, if it has members
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< mesh of the base structure; null without members
   std::optional<fem::Reanalysis> beam_;
   std::optional<fem::StructureReanalysis> structure_;
   int rigid_ = 0;

@@ -25,16 +25,16 @@ namespace wheeltap::identification {
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
-/// f_m: the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model error
-/// that multiplies a mode's frequency by a factor (discrepancy δ) is common to these states, so
-/// that it does not count as damage. For one state, ln p equals that of ModalLikelihood.
+/// f_m contains the frequencies of mode m in all states with the same `known`, and 0 elsewhere. A
+/// model error that multiplies a mode's frequency by a factor (discrepancy δ) is common to these
+/// states, so that it does not count as damage. For one state, ln p equals that of ModalLikelihood.
 ///
-/// The effect of damage on a frequency depends on the shapes. Shape errors of first order cause
-/// frequency errors of second order only. Let the model error mix c φ_k into φ_j and -c φ_j into
-/// φ_k, c ~ N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ
-/// δK_d φ_k, and λ_k by the opposite amount. For a stiffness loss along one strain, (φ_jᵀ δK_d
-/// φ_k)² = Δλ_j Δλ_k; otherwise the left side is smaller. With Δλ the change from the first healthy
-/// state with the same `known` to a damaged state,
+/// The effect of damage on a frequency depends on the shapes. First-order shape errors cause only
+/// second-order frequency errors. Let the model error mix c φ_k into φ_j and -c φ_j into φ_k, c ~
+/// N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ δK_d φ_k,
+/// and λ_k by the opposite amount. For a stiffness loss along one strain, (φ_jᵀ δK_d φ_k)² = Δλ_j
+/// Δλ_k; otherwise the left side is smaller. With Δλ the change from the first healthy state with
+/// the same `known` to a damaged state,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
@@ -51,19 +51,19 @@ namespace wheeltap::identification {
 /// only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
-  /// Number of solutions by reanalysis that are compared with full solutions.
+  /// Number of solutions by reanalysis that the constructor compares with full solutions.
   static constexpr int kReanalysed = 8;
 
-  /// `kinds`: kinds of damages; empty for an update. `beam`: the beam that the nominal structure
-  /// represents, or null. Throws std::invalid_argument for inconsistent data, naming state and
-  /// mode; throws fem::InvalidStructure.
+  /// `kinds` are the kinds of damages, empty for an update; `beam` is the beam that the nominal
+  /// structure represents, or null. Throws std::invalid_argument for inconsistent data, naming
+  /// state and mode; throws fem::InvalidStructure.
   StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds,
                    const fem::Beam* beam = nullptr);
 
   [[nodiscard]] const ObservedStates& states() const { return *states_; }
   [[nodiscard]] int modes() const { return static_cast<int>(joined_.frequencies_hz.size()); }
-  /// All frequencies, concatenated. `place` gives the state of a mode and the index of the mode in
-  /// this state.
+  /// The frequencies of all states, concatenated. `place` gives the state of a mode and the index
+  /// of the mode in this state.
   [[nodiscard]] const ModalData& data() const { return joined_; }
   struct Place {
     int state = 0, mode = 0;
@@ -75,21 +75,21 @@ class StatesLikelihood {
   /// Number of measured values, minus one for each shape, because the scale of a shape is
   /// arbitrary.
   [[nodiscard]] int measured() const;
-  /// C without common errors of states, modes × modes.
+  /// C without the errors that states have in common, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
 
-  /// The score of all states, with concatenated matches. `modes`: per state.
+  /// The score of all states, with concatenated matches. `modes` has the modes per state.
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
-  /// Computes ln p from the frequencies alone, if there are no shapes and no common errors of
-  /// states; also writes the computed frequencies [Hz]. Returns false if `score` is required.
+  /// Computes ln p from the frequencies alone if there are no shapes and states have no common
+  /// errors; also writes the computed frequencies [Hz]. Returns false if `score` is required.
   bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
                               const ModalNoise& noise, double& log_density,
                               std::vector<double>& frequencies_hz) const;
 
-  /// C of the measured frequencies, including common errors if present. `with` receives the indices
-  /// of the measured frequencies in the concatenation.
+  /// C of the measured frequencies, including errors that states have in common, if any. `with`
+  /// receives the indices of these frequencies in `data()`.
   [[nodiscard]] Eigen::MatrixXd frequency_covariance(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
@@ -100,13 +100,13 @@ class StatesLikelihood {
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
     return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
   }
-  /// ln p(mode | all others, θ) for each mode of the concatenation, with stiffness errors.
+  /// ln p(mode | all other modes, θ) for each mode in `data()`, with stiffness errors.
   [[nodiscard]] Eigen::VectorXd single_mode_densities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Working memory of one thread. The working memory caches the last assembly and solution,
-  /// because proposals that change damages do not change the intact structure.
+  /// Working memory of one thread. It caches the last assembled structure and its solution, because
+  /// proposals that change only damages do not change the intact structure.
   struct Workspace {
     /// The intact structure, which all groups with the same `known` share.
     struct Intact {
@@ -116,7 +116,7 @@ class StatesLikelihood {
     };
     struct Group {
       std::optional<fem::ParametricModes::Workspace> reduced = {};
-      std::optional<std::vector<double>> values = {};  ///< parameters of `found`, without damages
+      std::optional<std::vector<double>> values = {};  ///< parameter values of `found`
       fem::ParametricModes::Modes found = {};
     };
     std::vector<Intact> intact;
@@ -125,18 +125,18 @@ class StatesLikelihood {
   };
   [[nodiscard]] Workspace make_workspace() const;
 
-  /// Computes the modes of each state. Returns false if the structure is impossible. `x`: as in
-  /// `ObservedStates::parameters`.
+  /// Computes the modes of each state. Returns false if the structure is impossible. `x` has the
+  /// values of ObservedStates::parameters.
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
-  /// All frequencies [Hz] at a generic prior draw, where only true symmetries give equal
-  /// frequencies. Empty if no draw gives a stable structure.
+  /// All frequencies [Hz] at a generic prior draw, at which only true symmetries make frequencies
+  /// equal. Empty if no draw gives a stable structure.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
 
   /// Comparison with full solutions at `points` prior draws with defects of each kind: largest
-  /// relative error of a frequency, and number of missed modes by Sturm's count.
+  /// relative error of a frequency, and number of missed modes by Sturm counts.
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
@@ -145,11 +145,11 @@ class StatesLikelihood {
   [[nodiscard]] Check check(int points) const;
 
  private:
-  /// Number of unknown stiffness errors: two per part of the structure, one of the stiffness of the
-  /// part and one of the stiffness that damage removes from the part.
+  /// Number of unknown stiffness errors: two per part of the structure, for the stiffness of the
+  /// part and for the stiffness that damage removes from it.
   [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
-  /// Ingredients of the joint density with stiffness errors: frequencies with covariance and
-  /// sensitivities, and shapes, one per mode of the concatenation.
+  /// Quantities of the joint density with stiffness errors: frequencies with covariance and
+  /// sensitivities, and shapes, one per mode in `data()`.
   struct Parts {
     std::vector<int> with;
     Eigen::MatrixXd covariance, sensitivities;
@@ -161,18 +161,18 @@ class StatesLikelihood {
   struct Joint {
     double log_density = 0.0, chi_square = 0.0;
   };
-  /// Integrates stiffness errors out of all modes, or of all but mode `without` (-1: none).
+  /// Integrates over the stiffness errors of all modes except mode `without` (-1: of all).
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
-  /// ∂f/∂a_p of the frequencies `with`; columns: the `errors()` stiffness errors, repeated for each
-  /// value of `known`.
+  /// ∂f/∂a_p of the frequencies `with`; the columns are the `errors()` stiffness errors, once for
+  /// each value of `known`.
   [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
       const std::vector<int>& with) const;
-  /// C without stiffness errors.
+  /// C without the effect of stiffness errors.
   [[nodiscard]] Eigen::MatrixXd covariance_of_noise(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
-  /// Adds the common errors of states to C; `with`: indices of measured modes.
+  /// Adds the errors that states have in common to C; `with` lists the measured modes.
   void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
                   const ModalLikelihood::Score& score, const std::vector<int>& with,
                   Eigen::MatrixXd& covariance) const;
@@ -180,12 +180,12 @@ class StatesLikelihood {
     std::vector<int> states;                   // states that differ only in temperature
     int modes = 1;                             // number of elastic modes
     std::vector<fem::SparseRow> motions = {};  // motions of all sensors
-    std::size_t intact = 0;                    // index in Workspace
+    std::size_t intact = 0;                    // index of the intact structure in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
   };
-  /// A prior draw: every fourth draw has no damages; the others have 1, 2, … damages of each kind.
-  /// i = -1: the prior medians.
+  /// Prior draw i: every fourth draw has no damages; the others have 1, 2, … damages of each kind.
+  /// For i = -1: the prior medians.
   struct Draw {
     std::vector<double> x;
     std::vector<PlacedDefect> defects;
@@ -201,17 +201,17 @@ class StatesLikelihood {
                                                    const std::vector<PlacedDefect>& defects,
                                                    Workspace& workspace,
                                                    fem::ParametricModes::Modes& out) const;
-  /// Solves the assembled structure of a group. Throws the exceptions of SubspaceModes.
+  /// Computes the modes of a group's assembled structure. Throws the exceptions of SubspaceModes.
   bool solve_assembled(const Group& group, const std::vector<double>& values,
                        const std::vector<PlacedDefect>& defects, Workspace& workspace,
                        fem::ParametricModes::Modes& out) const;
-  /// Solves the structure of a group. Shapes are at the sensors of all its states, concatenated.
+  /// Computes the modes of a group; shapes are at the sensors of all its states, concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;
-  /// Assembles the structure if `values` have changed. Throws std::invalid_argument.
+  /// Assembles the structure if `values` differ from those of `out`. Throws std::invalid_argument.
   void assemble(const std::vector<double>& values, Workspace::Intact& out) const;
-  /// q_j of each matrix.
+  /// The factor q_j of each matrix.
   [[nodiscard]] std::vector<double> scales(std::span<const double> x,
                                            const std::vector<PlacedDefect>& defects,
                                            const ObservedState& state) const;

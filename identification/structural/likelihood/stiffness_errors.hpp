@@ -10,21 +10,21 @@
 namespace wheeltap::identification {
 
 /// Parts of a structure with independent stiffness errors: approximately the quarters of each
-/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link. The
-/// parts do not depend on the mesh if members have at least four elements. Geometric stiffness of
-/// axial forces is not a part.
+/// member (its ends, where joints are flexible, and its middle), and each spring, tie and chain
+/// link. The parts do not depend on the mesh if members have at least four elements. The geometric
+/// stiffness of axial forces is not a part.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;
 
   StiffnessPieces() = default;
-  /// `mesh`: the mesh of a structure with members; nullptr for a chain of masses, whose links are
-  /// its parts.
+  /// `mesh` is the mesh of a structure with members; nullptr for a chain of masses, whose parts are
+  /// its links.
   StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* mesh);
 
   [[nodiscard]] int count() const { return count_; }
-  /// φ_jᵀ K_p φ_k from the strains, modes × modes each, for a structure with these strains and
-  /// possibly further strains (springs of damages, which are not parts). `shapes`: n × modes.
+  /// φ_jᵀ K_p φ_k of each part p, modes × modes, from the strains. The structure may have further
+  /// strains (springs of damages, which are not parts). `shapes` is n × modes.
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
@@ -40,23 +40,23 @@ class StiffnessPieces {
   std::vector<int> of_strain_;
 };
 
-/// Integrates stiffness errors out of the likelihood. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,
+/// Marginalises the likelihood over stiffness errors. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,
 /// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
 /// so that the likelihood does not attribute stiffness errors to damage. The stiffness that a
-/// damage removes from a part has a separate error of the same size (`StiffnessPieces::losses`).
+/// damage removes from a part has a separate error, also with the sd σ (`StiffnessPieces::losses`).
 /// With residuals r in units of the noise and their sensitivities X, ln p increases by
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
 ///
-/// (matrix inversion lemma). A and b are sums over all r and X.
+/// (matrix inversion lemma). A and b are sums over all added residuals r and sensitivities X.
 class StiffnessErrors {
  public:
   explicit StiffnessErrors(int pieces);
 
   /// Adds residuals r and their sensitivities X (residuals × errors).
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
-  /// Amounts to add to ln p and to subtract from χ², for σ > 0.
+  /// Terms that are added to ln p and subtracted from χ², for σ > 0.
   struct Gain {
     double log_density = 0.0, chi_square = 0.0;
   };

@@ -9,21 +9,21 @@
 
 namespace wheeltap::identification {
 
-/// The noise parameters of `data` with a prior, in this order: "cov", "shape_sd", "discrepancy",
-/// "shape_discrepancy", "mixing", "stiffness_discrepancy". All others are constants.
+/// The noise parameters of `data` that have a prior (the others are constants), in this order:
+/// "cov", "shape_sd", "discrepancy", "shape_discrepancy", "mixing", "stiffness_discrepancy".
 class UnknownScatters {
  public:
   explicit UnknownScatters(const ModalData& data);
 
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// The noise parameters of a state for these parameter values.
+  /// All noise parameters of a state; `values` are those of the unknown noise parameters.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
   /// True if a noise parameter is unknown, for example `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:
   std::vector<inference::Parameter> parameters_;
-  std::vector<double ModalNoise::*> places_;  // member for each parameter
+  std::vector<double ModalNoise::*> places_;  // the ModalNoise member of each parameter
   ModalNoise known_;
 };
 

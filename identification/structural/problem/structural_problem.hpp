@@ -1,5 +1,5 @@
-// Conversion of a structure, its observations and kinds of defects to a problem for the engine. A
-// model update is a damage identification without defects.
+// Conversion of a structure, its observations and kinds of defects to an inference problem. A model
+// update is a damage identification without defects.
 #pragma once
 
 #include <memory>
@@ -15,15 +15,15 @@
 
 namespace wheeltap::identification {
 
-/// Common data of damage identification and updating, kept together because the problem's
-/// likelihood refers to these data. The log likelihood is Σ ln p(data | prediction, noise) over the
+/// Data that damage identification and model updating have in common; the problem's likelihood
+/// refers to them. The log likelihood is Σ ln p(data | prediction, noise) over the
 /// observations.
 struct StructuralProblem {
   using Numbered = std::shared_ptr<const FrequencyObservation>;
   using Matched = std::shared_ptr<const ModeObservation>;
 
   std::shared_ptr<const ForwardModel> model = {};
-  /// The first observation: numbered frequencies, or matched modes.
+  /// The first observation: frequencies identified by mode number, or matched modes.
   std::variant<Numbered, Matched> observed = {};
   std::vector<DefectKind> kinds = {};  ///< kinds of defects; empty for an update
   inference::Problem problem = {};
@@ -32,19 +32,19 @@ struct StructuralProblem {
     std::shared_ptr<const Observation> observation = {};
     std::size_t first = 0, count = 0;
   };
-  std::vector<Placed> observations = {};  ///< the first observation, then added observations
+  std::vector<Placed> observations = {};  ///< data of the case, then added observations
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
-  /// True if modes are matched instead of numbered.
+  /// True if measured modes are matched to computed modes instead of identified by number.
   [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
   /// Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }
-  /// Modes in several states; or null.
+  /// The likelihood of modes in several states; null for one state.
   [[nodiscard]] const StatesLikelihood* states() const {
     return by_modes() ? modes().several_states() : nullptr;
   }
-  /// Number of rows of the first observation.
+  /// Number of rows (modes) of the first observation.
   [[nodiscard]] int rows() const {
     return by_modes() ? modes().data().modes() : std::get<Numbered>(observed)->data().modes();
   }
@@ -81,38 +81,38 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// Writes the same defects to `to`.
+  /// The same, written to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
   /// Sets `observations` and the positions of parameters. Returns the parameters common to all
-  /// models: `intact` (θ) and the noise of `observed` in the order of `first`, then the noise of
-  /// `added`.
+  /// models: `intact` (θ) and the noise parameters of `observed` in the order of `first`, then
+  /// those of `added`.
   std::vector<inference::Parameter> place_parameters(
       First first, const std::vector<inference::Parameter>& intact,
       const std::vector<std::shared_ptr<const Observation>>& added);
 };
 
-/// Computes predictions of a problem on one thread. The object refers to problem and model.
+/// Computes predictions of a problem in one thread. Problem and model must outlive the object.
 class StructuralPredictor {
  public:
   explicit StructuralPredictor(const StructuralProblem& problem)
       : StructuralPredictor(problem, *problem.model) {}
-  /// Uses `model` instead of the problem's forward model.
+  /// Predicts with `model` instead of the problem's forward model.
   StructuralPredictor(const StructuralProblem& problem, const ForwardModel& model)
       : problem_(problem), solver_(model.make_solver()) {}
 
   /// Predicts like ForwardModel::Solver::predict.
   bool predict(int model, std::span<const double> x, ForwardModel::Quantity quantity,
                Prediction& out);
-  /// Computes modes and their score. Returns false if the structure is impossible.
+  /// Computes modes and their score (log likelihood). Returns false if the structure is impossible.
   bool score(int model, std::span<const double> x, ModeObservation::Scored& out);
   /// Computes frequencies [Hz]: the `out.size()` lowest elastic frequencies, or the frequencies of
   /// the modes matched to the measured modes; ∞ if the structure is impossible.
   void solve(int model, std::span<const double> x, std::span<double> out);
   /// ∂ ln p(first observation | x)/∂x. Returns false if the gradient is not available.
   bool gradient(int model, std::span<const double> x, std::span<double> out);
-  /// As inference::Likelihood::gauss_newton, for the first observation, from exact derivatives of
+  /// Like inference::Likelihood::gauss_newton, for the first observation, from exact derivatives of
   /// the modes.
   bool gauss_newton(std::span<const double> x, std::span<const double> steps,
                     std::span<double> gradient, std::span<double> information);
@@ -133,7 +133,7 @@ class StructuralPredictor {
   fem::ParametricModes::Slopes slopes_;
 };
 
-/// The likelihood of all observations, predicted by `model`. It refers to `problem` and `model`.
+/// The likelihood of all observations, predicted by `model`. Both arguments must outlive it.
 [[nodiscard]] inference::LikelihoodFactory likelihood_of(const StructuralProblem& problem,
                                                          const ForwardModel& model);
 

@@ -1,15 +1,15 @@
-// Check of the mode numbers of frequencies without shapes.
+// Check of the mode numbers of measured frequencies if no shapes were measured.
 //
-// Without shapes, the i-th frequency counts as the i-th elastic mode. A numbering b_1 < b_2 <
-// … assigns other modes instead. Its prior weight is the product of 0.05 for each mode missed
-// in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
-// priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws,
-// so that
+// Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2 <
+// … assigns other modes instead. Its prior weight is a product: a factor 0.05 for each mode that is
+// missed in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
+// priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
+// that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
-// with a model error of 2 %. P(b | data) follows by Bayes' rule. This check of the assumed numbers
-// is not part of the likelihood.
+// with a relative model error of 2 %. P(b | data) follows by Bayes' rule. This check of the assumed
+// numbers is not part of the likelihood.
 #pragma once
 
 #include <optional>
@@ -22,30 +22,30 @@
 namespace wheeltap::identification {
 
 struct Numbering {
-  std::vector<int> modes = {};  ///< structure's modes, from 1: one per measured mode
+  std::vector<int> modes = {};  ///< mode of the structure, from 1, for each measured mode
   double probability = 0.0;
 };
 
 struct NumberingFinding {
   std::vector<int> measured = {};  ///< assumed numbers of the measured modes, from 1
   double probability = 1.0;        ///< probability of the assumed numbers
-  Numbering likeliest = {};        ///< most probable other numbering
+  Numbering likeliest = {};        ///< most probable one of the other numberings
   int draws = 0;
 
   [[nodiscard]] bool is_doubtful() const { return probability < 0.9; }
 };
 
-/// `ln_f`: of computed modes, draws × modes, in the structure's order. `measured`: assumed index of
-/// each measured mode among the first computed modes, from 0. `ln_measured` and `covariance` are ln
-/// f of the measured modes and its covariance. Requires more than 2 draws per mode.
+/// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has
+/// the assumed column in `ln_f` of each measured mode, from 0. `ln_measured` and `covariance` are
+/// ln f of the measured modes and its covariance. Requires more than 2 draws per mode.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,
                                                const Eigen::VectorXd& ln_measured,
                                                const Eigen::MatrixXd& covariance);
 
 /// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is the
-/// covariance of all rows [Hz²]. The result is empty if there are shapes, or if two seconds
-/// suffice for too few solutions.
+/// covariance of all rows [Hz²]. The result is empty if shapes were measured, or if the solutions
+/// that two seconds allow are too few.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,
     const Eigen::MatrixXd& frequency_covariance);

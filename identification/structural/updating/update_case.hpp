@@ -14,12 +14,12 @@
 
 namespace wheeltap::identification {
 
-/// The simulation that a case defines.
+/// True values and noise with which a case simulates its data.
 struct ModalSimulation {
-  std::vector<double> parameters;  ///< parameter values, in the order of the structure's parameters
+  std::vector<double> parameters;  ///< true values, in the order of the structure's parameters
   int modes = 0;
-  double cov = 0.0;       ///< sd of a frequency = cov · true frequency
-  double shape_sd = 0.0;  ///< sd of shape entries, with a largest entry of 1; 0: no shapes
+  double cov = 0.0;       ///< sd of a frequency divided by its true value
+  double shape_sd = 0.0;  ///< sd of shape entries, if the largest entry is 1; 0: no shapes
   std::uint64_t seed = 1;
 };
 
@@ -42,11 +42,11 @@ struct TrueModes {
 [[nodiscard]] TrueModes true_modes(const UpdateCase& update_case,
                                    std::span<const double> parameters, int modes);
 
-/// Simulates the data: Gaussian noise on frequencies and shape entries, with the standard
-/// deviations of the truth unless the data specify them. Throws the exceptions of `true_modes`.
+/// Simulates the data, with Gaussian noise on frequencies and shape entries. The sds are those of
+/// the simulation, unless the data specify them. Throws the exceptions of `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
 
-/// Plausibility of the structure and its sensors (structure_plausibility.hpp).
+/// Checks the plausibility of the structure and its sensors (structure_plausibility.hpp).
 [[nodiscard]] std::vector<Remark> implausible(const UpdateCase& update_case);
 
 }  // namespace wheeltap::identification

@@ -1,4 +1,4 @@
-// Results of a model update: information of the modes about each parameter, fit and predictions.
+// Results of a model update: information in the modes about each parameter, fit, predictions.
 #pragma once
 
 #include <cmath>
@@ -21,20 +21,20 @@ struct Contraction {
   double contraction = 0.0;  ///< 1 - Var(z | data)
   double shift = 0.0;        ///< mean of z: shift of the posterior in prior sd
   using Bound = PriorBound;
-  Bound bound = Bound::none;  ///< bound of its prior at which the draws pile up
+  Bound bound = Bound::none;  ///< bound of the prior at which the draws pile up
 
-  /// True if the posterior equals the prior.
+  /// True if the posterior is practically equal to the prior.
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish: the correlation of their z within one solution.
+/// Two parameters that the data cannot distinguish; `correlation` is that of their z in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
 };
 
-/// A combination of coordinates z about which the data have little information: an eigenvector of
-/// Cov(z | data) with a contraction below `kUntouched`.
+/// A combination of coordinates z about which the data contain little information: an eigenvector
+/// of Cov(z | data) with a contraction below `kUntouched`.
 struct UntouchedDirection {
   double contraction = 0.0;
   std::vector<std::pair<std::string, double>> weights = {};  ///< largest weights, |w| >= 0.3
@@ -47,9 +47,9 @@ struct ModeFinding {
   int mode = 0;                           ///< number of the measured mode, from 1
   double measured_hz = 0.0, sd_hz = 0.0;  ///< NaN if only a shape was measured
   Marginal frequency_hz = {};             ///< frequency of the computed mode
-  double residual = 0.0;                  ///< frequency residual in sd: mean over the draws
-  int computed = 0;                       ///< computed mode most often matched, from 1
-  double matched = 1.0;                   ///< share of the draws with this match
+  double residual = 0.0;                  ///< residual divided by its sd: mean over the draws
+  int computed = 0;                       ///< computed mode that draws match most often, from 1
+  double matched = 1.0;                   ///< share of the draws with the match `computed`
   /// Probability that the mode is spurious, if modes may be spurious
   double spurious = 0.0;
   bool has_shape = false;
@@ -58,8 +58,8 @@ struct ModeFinding {
   int shape_freedoms = 0;
   double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
   /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], and the
-  /// parameter that would change most, with its change in posterior sd. `reliable`: true if the
-  /// effective number of draws is sufficient.
+  /// parameter that would change most, with its change in posterior sd. `reliable` is true if the
+  /// effective sample size suffices.
   double information = 0.0;
   std::string moves = {};
   double moved = 0.0;
@@ -69,35 +69,35 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// True if the mode deviates by more than the stated standard deviations allow: 3 sd, or p below
-  /// 1e-3. False for spurious modes.
+  /// True if the mode deviates by more than the stated standard deviations allow: frequency by 3
+  /// sd, or shape with p below 1e-3. False for spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
-/// A prediction of a mode that was not used.
+/// The prediction of a mode that the update did not use.
 struct PredictedMode {
-  int mode = 0;  ///< elastic mode, from 1
+  int mode = 0;  ///< number of the elastic mode, from 1
   Marginal frequency_hz = {};
-  double low_hz = 0.0, high_hz = 0.0;  ///< 95 % band of a measurement, with noise and discrepancy
-  std::optional<double> measured_hz = {};  ///< measurement that was not used
+  double low_hz = 0.0, high_hz = 0.0;      ///< 95 % prediction interval (noise and discrepancy)
+  std::optional<double> measured_hz = {};  ///< measured frequency of the predicted mode
   std::string state = {};  ///< if there are several states; `mode` is then the number in that state
 
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);
   }
-  /// True if the band is wider than half of the frequency, so that the prediction is useless.
+  /// True if the prediction interval is wider than half of the frequency and therefore useless.
   [[nodiscard]] bool useless() const { return high_hz - low_hz > 0.5 * frequency_hz.q50; }
 };
 
 struct UpdateFit {
-  double p = 1.0;  ///< posterior predictive p-value: P(χ² of replicate > data)
+  double p = 1.0;  ///< posterior predictive p-value: P(χ² of replicated data > χ² of data)
   /// p-value of χ² at the best draw, with the degrees of freedom reduced by the number of
   /// parameters; 1 if no degrees of freedom are left.
   double best_p = 1.0;
-  /// R² of the frequencies, at the posterior mean frequencies; NaN for fewer than 2 modes
+  /// R² of the frequencies, with posterior mean predictions; NaN for fewer than 2 modes
   double r2 = 0.0;
-  std::vector<int> off;     ///< modes that deviate
-  std::vector<int> missed;  ///< held-out modes outside their band
+  std::vector<int> off;     ///< modes for which is_off() is true
+  std::vector<int> missed;  ///< held-out modes outside their prediction interval
 
   [[nodiscard]] bool ok() const;
 };
@@ -118,7 +118,7 @@ struct UpdateFindings : Findings {
   std::vector<PredictedMode> predictions;
   UpdateFit fit;
   int numbers = 0;   ///< number of measured values
-  long in_full = 0;  ///< number of `examined` draws that the basis could not solve
+  long in_full = 0;  ///< number of `examined` draws that needed the full problem
   int examined = 0;
 };
 

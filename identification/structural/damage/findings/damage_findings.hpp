@@ -1,4 +1,4 @@
-// Results of a damage identification: number, places and severities of defects, limits of the data.
+// Results of a damage identification: number, places and severities of defects; fit to data.
 #pragma once
 
 #include <algorithm>
@@ -27,18 +27,18 @@ struct Place {
   std::optional<Marginal> extent = {};  ///< marginal of the extent [m], if the extent is unknown
 };
 
-/// Places of the defects of one kind.
+/// Posterior places of the defects of one kind.
 struct KindFinding {
-  std::vector<double> expected;                    ///< expected number of defects in each element
-  std::map<int, std::vector<double>> given_count;  ///< expected numbers given the count (> 0)
+  std::vector<double> expected;                    ///< expected number of defects in each cell
+  std::map<int, std::vector<double>> given_count;  ///< the same, given each number of defects > 0
   std::vector<Place> places;
 };
 
-/// Effects of a symmetric beam or structure: frequencies cannot distinguish x from L - x, or
+/// Effects of the symmetry of a beam or structure: frequencies cannot distinguish x from L - x, or
 /// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects before and beyond their images
+    double left, right;  ///< expected number of defects in front of and behind their mirror images
     double mcse_of_difference;
   };
   double center;  ///< [m], for a beam
@@ -50,15 +50,15 @@ struct SymmetryFinding {
 
 struct FitFinding {
   struct Mode {
-    double observed, sd;               ///< [Hz]; NaN if not measured, or if the noise is inferred
+    double observed, sd;               ///< [Hz]; NaN: not measured, or noise inferred
     double mean, q2_5, q97_5;          ///< predicted frequency [Hz]
     double standardised_residual;      ///< posterior mean of the residual; NaN if not measured
     std::string state = {};            ///< empty for a single state
-    int mode = 0;                      ///< measured mode in its state, from 1
+    int mode = 0;                      ///< number of the measured mode in its state, from 1
     std::optional<Marginal> mac = {};  ///< MAC of measured and computed shape, over the draws
     /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], and the
-    /// resulting probability of the most probable model. `reliable`: true if the effective number
-    /// of draws is sufficient. Numbers of unmeasured modes are NaN.
+    /// resulting probability of the most probable model. `reliable` is true if the effective sample
+    /// size suffices. Both numbers are NaN for an unmeasured mode.
     double information = std::numeric_limits<double>::quiet_NaN();
     double probability_without = std::numeric_limits<double>::quiet_NaN();
     bool reliable = true;
@@ -66,14 +66,14 @@ struct FitFinding {
   std::vector<Mode> modes;
   std::vector<ShapesBeside> shapes = {};  ///< shapes at the best draw, for each state with measured
                                           ///< shapes
-  /// P(χ² of a replicate > χ² of the data); small if no model fits.
+  /// P(χ² of replicated data > χ² of the data); small if no model fits.
   double posterior_predictive_p = 0.0;
 };
 
 struct EmulatorFinding {
   struct Mode {
     double rmse, max_error, q2, relative_rmse;
-    double noise;                         ///< sd [Hz]; NaN if unknown
+    double noise;                         ///< sd of the measurement [Hz]; NaN if unknown
     std::optional<double> leave_one_out;  ///< RMSE
     std::optional<emulator::StandardisedResiduals> standardised;
   };
@@ -81,13 +81,13 @@ struct EmulatorFinding {
     std::string kind;  ///< "multilinear in r, 10 sites x 4 levels"
     long runs;
     std::vector<Mode> modes;
-    std::vector<int> blind;  ///< modes (from 1) that the emulator cannot predict
-    int worst_mode = 0;      ///< mode with the largest RMSE relative to the noise; 0 if the noise
+    std::vector<int> blind;  ///< numbers (from 1) of modes that the emulator cannot predict
+    int worst_mode = 0;      ///< mode with the largest RMSE divided by the noise sd; 0 if the noise
                              ///< is unknown
     double rmse_to_noise = 0.0, largest_to_noise = 0.0;
   };
   std::vector<Count> counts;  ///< entry i for i + 1 damages
-  // For a run:
+  // Values for a finished run:
   bool exact = false;
   bool error_in_likelihood = true;
   long training_calls = 0, validation_calls = 0, likelihood_calls = 0;
@@ -97,14 +97,14 @@ struct EmulatorFinding {
 struct DamageFindings : Findings {
   std::vector<KindFinding> kinds;
   /// For a symmetric beam, one entry per model: locations are measured from the nearer end, and
-  /// components are sorted by this distance. Other estimates would average over mirror images.
+  /// components are sorted by this distance. Unfolded estimates would average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
   std::vector<MergedFinding> merged;  ///< merged damages, for kinds whose damages cover a fixed
                                       ///< length
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
-  std::optional<BaselineFindings> baseline;    ///< findings on the baseline, if the case has states
+  std::optional<BaselineFindings> baseline;    ///< findings on the intact structure
   std::optional<DrawnModes> drawn_modes = {};  ///< modes of the intact structure, for figures
 
   /// The merged damages of a kind; nullptr if there are none.
@@ -112,14 +112,14 @@ struct DamageFindings : Findings {
     const auto found = std::ranges::find(merged, kind, &MergedFinding::kind);
     return found == merged.end() ? nullptr : &*found;
   }
-  /// Estimates of a model's defects to report: `folded` if available.
+  /// The estimates of a model's defects that are reported: `folded` if available.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {
     return !folded.empty() && !folded[model].empty() ? folded[model] : models[model].parameters;
   }
 };
 
-/// Errors of an emulator on holdout FE runs, per count and mode. `noise`: measurement sd [Hz] of
-/// each mode, empty if unknown.
+/// Errors of an emulator on holdout FE runs, for each number of damages and each mode. `noise` is
+/// the measurement sd [Hz] of each mode, or empty if unknown.
 [[nodiscard]] EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
                                                const std::vector<double>& noise);
 /// Measurement sd [Hz] of each mode: the sd of the data or, if there are no data yet, cv times
@@ -129,8 +129,8 @@ struct DamageFindings : Findings {
 
 /// Error variances [Hz²] of the emulator for consecutive draws, one per mode; empty if the
 /// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and at the first
-/// draw of each model. The other draws reuse the last result for their model. The problem must
-/// outlive this object.
+/// draw of each model. Other draws reuse the last result for their model. The problem must outlive
+/// this object.
 class EmulatorVariances {
  public:
   explicit EmulatorVariances(const DamageProblem& problem);

@@ -1,4 +1,4 @@
-// Effect of an emulator on the posterior, determined from FE solutions at draws of the run.
+// Effect of an emulator on the posterior, estimated from FE solutions at draws of the run.
 #pragma once
 
 #include <optional>
@@ -10,16 +10,16 @@
 
 namespace wheeltap::identification {
 
-/// A quantity's posterior mean with the emulator and with the FE solution.
+/// The posterior mean of a quantity with the emulator and with the FE solution.
 struct Shift {
   double emulator = 0.0, fe = 0.0;
-  double standard_error = 0.0;  ///< standard error of the difference
+  double standard_error = 0.0;  ///< standard error of the difference of both means
 };
 
 struct EmulatorCheck {
   struct OfModel {
     Shift probability;
-    /// True if the model is probable enough (5 %) to compare its parameters
+    /// True if the model has a probability of at least 5 %, so that its parameters are compared
     bool compared = false;
     std::vector<Shift> means;  ///< one per parameter
   };
@@ -30,13 +30,13 @@ struct EmulatorCheck {
     Shift shift;
   };
   struct Error {
-    double rms = 0.0, largest = 0.0;  ///< emulator error relative to the noise
+    double rms = 0.0, largest = 0.0;  ///< emulator error divided by the noise sd
   };
 
   int draws = 0;
   double mean_log_weight = 0.0, sd_log_weight = 0.0;
-  double effective_share = 0.0;  ///< effective share of the n draws: (Σw)² / (n Σw²)
-  double pareto_shape = 0.0;     ///< above 0.7, the weights show only that the posteriors differ
+  double effective_share = 0.0;  ///< effective sample size divided by n: (Σw)² / (n Σw²)
+  double pareto_shape = 0.0;     ///< above 0.7, reweighting is unreliable: posteriors differ
   bool conclusive = false;
   std::vector<OfModel> models;
   std::vector<Moved> moved;

@@ -1,9 +1,9 @@
-// Adjacent damages that act as one longer damage. The count of adjacent damages depends on the
-// length that one damage covers (an element, for example) and not on the data.
+// Adjacent damages that act as one longer damage. The number of adjacent damages depends on the
+// length that one damage covers (for example an element) and not on the data.
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
-// the lowest orders of l divided by the mode's wavelength, frequencies depend only on the sum,
-// centre and spread of the c_i of damages i. Two damages are replaced by one damage of length L
+// the lowest orders of l divided by the wavelength of the mode, frequencies depend only on the sum,
+// centre and spread of the c_i of the damages i. Two damages are replaced by one damage of length L
 // with the same sum, centre and spread,
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
@@ -23,17 +23,17 @@ namespace wheeltap::identification {
 /// Draws of one model in which damages of a kind are merged.
 struct MergedModel {
   int model = 0;
-  double merged = 0.0;  ///< share of draws with fewer damages after merging
+  double merged = 0.0;  ///< share of draws in which damages were merged
   int count = 0;        ///< most frequent number of damages after merging
-  // The longest merged damage in each of these draws, on the most frequent part of the line:
+  // The longest merged damage in each of these draws, on the part where it occurs most often:
   int stretch = 0;
   double fixed = 0.0;                   ///< length that one damage covers on this part [m]
   Marginal location = {}, length = {};  ///< centre and length of the merged damage [m]
   Marginal reduction = {};
-  double gain = 0.0;  ///< mean change of ln likelihood by merging
+  double gain = 0.0;  ///< mean change of the log likelihood by merging
 };
 
-/// Counts of damages of a kind with fixed extent, after merging.
+/// Numbers of damages of a kind with fixed extent, after merging.
 struct MergedFinding {
   int kind = 0;
   std::vector<double> count;        ///< probability of 0, 1, … damages
@@ -49,9 +49,9 @@ struct MergedFinding {
 /// The length [m] of a damage at `location` on the kind's line [m].
 [[nodiscard]] double fixed_extent(const DefectKind& kind, double location);
 
-/// Merges damages in some 200 draws of each model with two damages. A merged damage may be as long
-/// as a quarter of the member. The result is empty if the extent of the kind is not fixed, no model
-/// with two damages has draws, or an external program predicts.
+/// Merges damages in about 200 draws of each model with two or more damages. A merged damage may be
+/// as long as a quarter of the member. The result is empty if the kind has no fixed extent, no
+/// probable model with two or more damages has draws, or DamageProblem::as_case is false.
 [[nodiscard]] std::optional<MergedFinding> merged_damages(const UnpackedDraws& draws,
                                                           const std::vector<ModelFinding>& models,
                                                           int kind);

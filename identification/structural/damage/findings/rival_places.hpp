@@ -15,14 +15,14 @@ struct PlaceProbabilities {
   std::vector<std::vector<double>> both;  ///< n × n, symmetric; the diagonal is not used
 };
 
-/// Finds groups of places that exclude each other. The probability of each place is at least 5 %.
-/// The probability that both places of a pair are damaged is at most a tenth of the probability of
-/// the less probable place. The total probability of a group is at least one half. Groups and
-/// places are sorted, most probable first; a place is in at most one group.
+/// Finds groups of places that exclude each other. In a group, each place is damaged with a
+/// probability of at least 5 %. The probability that both places of a pair are damaged is at most a
+/// tenth of that of the less probable one. The total probability of a group is at least one half.
+/// Groups and places are sorted, most probable first; a place is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
-/// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups that
-/// consist only of a structure's images in `symmetry`.
+/// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups whose
+/// places are only images of each other in `symmetry`.
 void add_rival_remarks(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
                        std::vector<Remark>& remarks);
 

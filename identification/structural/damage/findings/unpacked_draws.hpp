@@ -11,10 +11,10 @@
 
 namespace wheeltap::identification {
 
-/// Counts with a smaller probability are not described
+/// The report does not describe counts with a smaller probability
 inline constexpr double kWorthReporting = 0.05;
 
-/// Unpacks the defects of single draws. Both arguments must outlive the object. Not thread-safe.
+/// Converts draws to lists of defects. Both arguments must outlive the object. Not thread-safe.
 class UnpackedDraws {
  public:
   UnpackedDraws(const DamageProblem& problem, const inference::Posterior& posterior)
