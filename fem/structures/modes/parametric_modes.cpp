@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/eigen_solvers.hpp"
@@ -39,6 +40,8 @@ constexpr double kIrregular = 1.0;
 /// Largest number of degrees of freedom for sparse matrices; the factor of a larger space frame may
 /// have more products than fit in memory.
 constexpr Index kMostSparse = 2000;
+/// Number of points in the first training, which decides between sparse matrices and a basis.
+constexpr std::ptrdiff_t kSomePoints = 40;
 /// The training ends when all error bounds are below this share of the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
@@ -389,11 +392,11 @@ struct ParametricModes::Impl {
     shifted.compute(Sparse(d.stiffness + sigma * d.mass));
     lifted = shifted.solve(structure->low_rank());
     compliance = structure->low_rank().transpose() * lifted;
-    // A few points often show at once that the sparse matrices take less time.
-    constexpr std::size_t kFew = 40;
-    if (candidate && points.size() > kFew) {
-      const std::vector<std::vector<double>> few(points.begin(), points.begin() + kFew);
-      if (grow(few, nominal.shapes, snapshot, candidate, nullptr)) return;
+    // Some of the points often show at once that the sparse matrices take less time.
+    if (candidate && std::ssize(points) > kSomePoints) {
+      if (grow({points.begin(), points.begin() + kSomePoints}, nominal.shapes, snapshot, candidate,
+               nullptr))
+        return;
       basis.resize(n, 0);
     }
     if (grow(points, nominal.shapes, snapshot, candidate, options.progress)) return;
@@ -413,25 +416,24 @@ struct ParametricModes::Impl {
     if (take_sparse(basis.cols(), candidate)) return true;
     project();
     training.solved = 1;
-    std::vector<std::size_t> bad;
-    for (std::size_t i = 0; i < points.size(); ++i) bad.push_back(i);
+    std::vector<std::size_t> bad(points.size());
+    std::iota(bad.begin(), bad.end(), std::size_t{0});
     Workspace::Impl ws;
     std::vector<bool> solved(points.size());
-    const std::size_t all = bad.size();
-    for (bool again = true; again;) {
+    while (true) {
       double worst = -1.0;
       std::size_t at = 0;
       Modes found;
       std::erase_if(bad, [&](std::size_t i) {
         double error = std::numeric_limits<double>::infinity();
         try {
-          const auto point = structure->at(points[i]);
-          if (in_basis(point, ws, found)) {
+          if (in_basis(structure->at(points[i]), ws, found)) {
             if (good(found, kSubspaceMargin)) return true;
-            error = found.bounds.maxCoeff() / options.tolerance;
-            if (!options.motions.empty())
-              error = std::max(
-                  error, std::pow(found.shape_bounds.maxCoeff() / options.shape_tolerance, 2));
+            const double of_shapes =
+                options.motions.empty()
+                    ? 0.0
+                    : std::pow(found.shape_bounds.maxCoeff() / options.shape_tolerance, 2);
+            error = std::max(found.bounds.maxCoeff() / options.tolerance, of_shapes);
           }
         } catch (const std::invalid_argument&) {
           return true;  // no structure at θ
@@ -442,23 +444,19 @@ struct ParametricModes::Impl {
         }
         return false;
       });
-      again = worst >= 0.0 && basis.cols() < options.most_basis;
-      if (again) {
-        solved[at] = true;
-        try {
-          extend(full(points[at], snapshot).shapes.rightCols(snapshot));
-          if (take_sparse(basis.cols(), candidate)) return true;
-          project();
-          ++training.solved;
-        } catch (const std::exception&) {
-          std::erase(bad, at);  // no valid structure at θ, or the solver fails there
-        }
-      }
       if (progress)
-        progress(1.0 - static_cast<double>(bad.size()) /
-                           static_cast<double>(std::max<std::size_t>(1, all)));
+        progress(1.0 - static_cast<double>(bad.size()) / static_cast<double>(points.size()));
+      if (worst < 0.0 || basis.cols() >= options.most_basis) return false;
+      solved[at] = true;
+      try {
+        extend(full(points[at], snapshot).shapes.rightCols(snapshot));
+        if (take_sparse(basis.cols(), candidate)) return true;
+        project();
+        ++training.solved;
+      } catch (const std::exception&) {
+        std::erase(bad, at);  // no valid structure at θ, or the solver fails there
+      }
     }
-    return false;
   }
 
   void count(const std::vector<std::vector<double>>& points, Workspace::Impl& ws) {
