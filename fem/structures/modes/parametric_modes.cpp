@@ -91,8 +91,6 @@ struct ParametricModes::Impl {
     return std::min<Index>(rigid + wanted + kBeyond, basis.cols());
   }
 
-  // ---- the basis
-
   /// Adds the components of the columns outside the basis, orthonormal in K₀ + σM₀.
   void extend(const MatrixXd& columns) {
     const Discretisation& d = structure->nominal();
@@ -156,8 +154,6 @@ struct ParametricModes::Impl {
     training.basis = static_cast<int>(n);
     return true;
   }
-
-  // ---- one θ
 
   void reduce(const ParametricStructure::Point& point, Workspace::Impl& ws) const {
     if (point.scales.size() > 0) {
