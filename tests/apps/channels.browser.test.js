@@ -487,7 +487,7 @@ test('the columns of the table of a monitor case: ranges, missing values, plots 
   const empty = lines.filter((line) => line[1] === '').length, values = lines.map((line) => line[1]).filter((text) => text !== '').map(Number);
   assert.ok(empty > 0);
   assert.equal(await cells.nth(2).textContent(), `${Number((100 * empty / lines.length).toPrecision(3))} %`);
-  assert.equal(await cells.nth(3).textContent(), `${Number(Math.min(...values).toPrecision(4))} to ${Number(Math.max(...values).toPrecision(4))}`);
+  assert.equal(await cells.nth(3).locator('.range').textContent(), `${Number(Math.min(...values).toPrecision(4))} to ${Number(Math.max(...values).toPrecision(4))}`);
   assert.equal(await page.locator('.channels svg.small').count(), 5);
   assert.match(await page.getAttribute('.channels .chooser svg.plot', 'aria-label'), /^f1 over hour$/);
   assert.equal(await page.locator('.channels .chooser text', { hasText: 'end of training' }).count(), 1);
@@ -546,7 +546,7 @@ test('columns of dates, texts, equal names and standard deviations, and the mode
   assert.deepEqual(Object.values(await rolesNow(page)), ['time', 'feature', 'feature', 'ignore', 'ignore', 'ignore', 'ignore', 'ignore']);
   assert.equal(await page.locator('.channels tbody tr').nth(7).locator('th').textContent(), '<b>note</b>');
   assert.equal(await role(page, '<b>note</b>', 'feature').isDisabled(), true);
-  assert.match(await page.locator('.channels td.range').first().textContent(), /^dates from 2026-01-01/);
+  assert.match(await page.locator('.channels .range').first().textContent(), /^dates from 2026-01-01/);
   // One of two columns of a name, by its number.
   await role(page, 'air (column 7)', 'covariate').check();
   await ready(page);

@@ -47,7 +47,7 @@ export class ChannelPanel {
     this.drawing = new Drawing(drawn, { picked: (place) => this.put(place), pointed: (arrow) => this.select(arrow.number - 1) });
     this.buttons = [...(draft ? [] : [button('Save', () => this.save(), { class: 'main' })]), button('Undo', () => this.step(this.undone, this.redone)), button('Redo', () => this.step(this.redone, this.undone))];
     this.lists = element('span');
-    this.node = element('section', { class: 'channels', 'aria-label': doc.kind === 'monitor' ? 'Columns of the table' : 'Channels on the structure' },
+    this.node = element('section', { class: doc.kind === 'monitor' ? 'channels wide' : 'channels', 'aria-label': doc.kind === 'monitor' ? 'Columns of the table' : 'Channels on the structure' },
       element('div', { class: 'buttons' }, this.buttons, this.lists), this.status,
       element('div', { class: 'panes' }, element('div', { class: 'pane' }, this.table, this.rest),
         element('div', { class: 'side' }, this.chooser, drawn, this.source)));
@@ -399,7 +399,7 @@ export class ChannelPanel {
     const list = this.list(), numeric = this.rows.filter((row) => row.column?.isNumeric && ['ignore', 'sd'].includes(row.role));
     this.deviations = list.key === 'file' && (numeric.length > 0 || Array.isArray(this.doc.series?.sd)) ? numeric : null;
     this.modes = list.key === 'file' && hasStructure(this.doc);
-    const heads = ['', 'column', 'role', 'missing', 'range', 'values', this.deviations && 'standard deviation', this.modes && 'mode'].filter((head) => head === '' || head);
+    const heads = ['', 'column', 'role', 'missing', 'values', this.deviations && 'standard deviation', this.modes && 'mode'].filter((head) => head === '' || head);
     this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the columns' }, element('table', { class: 'series' }, element('caption', {}, 'Role of each column of the table'),
       element('thead', {}, element('tr', {}, heads.map((head) => (head ? element('th', { scope: 'col' }, head) : element('td', {}))))),
       element('tbody', {}, this.rows.map((row, k) => this.seriesLine(row, k))))));
@@ -418,7 +418,7 @@ export class ChannelPanel {
     const line = element('tr', { class: row.role === 'ignore' ? 'unused' : '' },
       element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `${k + 1}: select ${row.name}`, 'aria-pressed': 'false' })),
       element('th', { scope: 'row' }, row.name, row.unit && !row.name.endsWith(`[${row.unit}]`) ? ` [${row.unit}]` : ''), cell(row.role === 'sd' ? null : row.pointer, row.role === 'file' ? null : group, words ? element('span', { class: 'quiet' }, words) : null),
-      element('td', { class: 'missing' }), element('td', { class: 'range' }), element('td', { class: 'plotted' }),
+      element('td', { class: 'missing' }), element('td', {}, element('span', { class: 'range' }), element('span', { class: 'plotted' })),
       this.deviations ? row.role === 'feature' ? cell(`/series/sd/${row.index}`, this.deviationChoice(row, id('sd'))) : element('td', {}) : null,
       this.modes ? row.role === 'feature' ? cell(`/explanation/modes/${row.index}`, element('input', { id: id('mode'), class: 'short', inputmode: 'numeric', value: String(modeOf(this.doc, row)), 'aria-label': `mode number of ${row.name}`,
         oninput: (event) => this.edit(() => setMode(this.doc, row, event.target.value), id('mode')), onchange: () => { this.typed = null; } })) : element('td', {}) : null);

@@ -171,7 +171,7 @@ export const rangeOf = (column) => {
   if (column.isAbscissa && times) return column.isDate ? `dates from ${times.start}` : `${number(times.from, 6)} to ${number(times.to, 6)}`;
   if (!column.isNumeric) return column.isDate ? 'dates' : 'texts';
   if (column.missing === undefined) return '…';
-  return column.missing === 1 ? 'no values' : `${number(column.lowest)} to ${number(column.highest)}`;
+  return column.missing === 1 ? 'no values' : column.lowest === column.highest ? `constant at ${number(column.lowest)}` : `${number(column.lowest)} to ${number(column.highest)}`;
 };
 
 const limits = ({ low, high }) => {
