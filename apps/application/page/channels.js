@@ -4,11 +4,12 @@ import { ask, attempt, background, button, element, number, say } from './dom.js
 import { Drawing } from './drawing.js';
 import { folderOf, relative } from './modes_case.js';
 import { at, pointerOf, written } from './schema.js';
-import { hasStructure, largePlot, missingOf, modeOf, rangeOf, readViews, seriesColumns, seriesRoles, setDeviation, setMode, setSeriesRole, smallPlot } from './series.js';
+import { hasStructure, largePlot, missingOf, modeOf, noPlot, rangeOf, readViews, seriesColumns, seriesRoles, setDeviation, setMode, setSeriesRole, smallPlot } from './series.js';
 import { arrowsOf, channelLists, columnOf, directionsOf, fileOf, geometryAsStructure, namedStructure, placeOf, resolved, reverse, rolesOf, rowsOf, setDirection, setPlace, setRole, sourceOf, supportOf, vectorOf, writable } from './sensors.js';
 import { get, post } from './server.js';
 
 const pause = 250; // ms between the last key and a check
+const mostListed = 40; // ignored columns with a button below the list
 const roleWords = { '': 'not used', response: 'sensor', force: 'force', time: 'time', ignore: 'ignored', 'base-acceleration': 'base acceleration', 'base-displacement': 'base displacement' };
 const takesPlace = (row) => ['response', 'force', ''].includes(row.role);
 
@@ -443,7 +444,8 @@ export class ChannelPanel {
       const { column } = this.rows[k] ?? {};
       line.querySelector('.missing').textContent = missingOf(column);
       line.querySelector('.range').textContent = rangeOf(column);
-      line.querySelector('.plotted').replaceChildren(smallPlot(column) ?? '');
+      const place = line.querySelector('.plotted'), drawn = place.firstChild ? null : smallPlot(column);
+      if (drawn) place.append(drawn);
     });
     this.showSeriesPlot();
   }
@@ -451,7 +453,7 @@ export class ChannelPanel {
   showSeriesPlot() {
     const row = this.rows[this.selected];
     this.chooser.replaceChildren(...(row ? [element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}`), `: ${rangeOf(row.column)}${row.column?.isNumeric && row.unit && row.column.missing < 1 ? ` ${row.unit}` : ''}`),
-      largePlot(this.doc, this.list(), this.known, row.column) ?? ''] : []));
+      largePlot(this.doc, this.list(), this.known, row.column) ?? noPlot(row.column)] : []));
   }
 
   showSeriesRest() {
@@ -460,7 +462,7 @@ export class ChannelPanel {
     const pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', title: 'Select this column' });
     const unused = this.rows.map((row, k) => k).filter((k) => this.rows[k].role === 'ignore');
     this.rest.replaceChildren(element('p', { class: times.length ? 'quiet' : 'open' }, `${this.list().key === 'file' ? `${count(features, 'feature')}, ` : ''}${count(covariates, 'covariate')}; ${times.length ? `times in ${times[0].name}` : 'no column of times: give one column the role time'}.`),
-      unused.length ? element('p', { class: 'quiet' }, `Ignored columns (${unused.length}): `, unused.map(pick)) : '');
+      unused.length ? element('p', { class: 'quiet' }, `Ignored columns (${unused.length}): `, unused.slice(0, mostListed).map(pick), unused.length > mostListed ? ' …' : '') : '');
     this.source.replaceChildren();
     this.showSeriesPlot();
   }

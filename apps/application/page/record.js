@@ -272,6 +272,7 @@ export const recordView = async (place, name) => {
   place.replaceChildren(element('h1', {}, name),
     element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'The file does not state its sampling rate', ...first.reading, first.fault].filter(Boolean).join('. ')),
     element('div', { class: 'buttons' }, button('Whole record', () => { back.push([begin, end]); [begin, end] = [0, 0]; draw(); }),
+      button('Zoom in', () => { const wide = (end || current().rows) - begin; zoom(begin + wide / 4, begin + 3 * wide / 4); }),
       button('Zoom out', () => { const wide = (end || current().rows) - begin; zoom(begin - wide / 2, (end || current().rows) + wide / 2); }),
       button('Earlier', () => { const wide = (end || current().rows) - begin; zoom(Math.max(0, begin - wide / 2), Math.max(0, begin - wide / 2) + wide); }),
       button('Later', () => { const wide = (end || current().rows) - begin, from = Math.min(current().rows - wide, begin + wide / 2); zoom(from, from + wide); }),

@@ -169,7 +169,7 @@ export const rangeOf = (column) => {
   if (!column) return 'not a column of the table';
   const { times } = column;
   if (column.isAbscissa && times) return column.isDate ? `dates from ${times.start}` : `${number(times.from, 6)} to ${number(times.to, 6)}`;
-  if (!column.isNumeric) return column.isDate ? 'dates' : 'texts';
+  if (!column.isNumeric) return column.isDate ? 'dates' : 'no numbers';
   if (column.missing === undefined) return '…';
   return column.missing === 1 ? 'no values' : column.lowest === column.highest ? `constant at ${number(column.lowest)}` : `${number(column.lowest)} to ${number(column.highest)}`;
 };
@@ -201,6 +201,9 @@ export const smallPlot = (column) => {
   return svg('svg', { class: 'small', viewBox: `0 0 ${width} ${height}`, 'aria-hidden': 'true' },
     svg('path', { class: 'trace', d: line(column.view, (i) => 1 + (width - 2) * i / last, (v) => height - 2 - (height - 4) * (v - ys[0]) / (ys[1] - ys[0])) }));
 };
+
+// A place of the size of a plot: the list must not move under a click.
+export const noPlot = (column) => element('p', { class: 'empty noplot' }, column?.plotted !== undefined && !column.view ? 'Reading …' : 'There is no plot of this column.');
 
 // The selected column over time, or over the rows if the times are not a column of numbers. The end of the training
 // period is a line.
