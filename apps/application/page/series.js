@@ -20,7 +20,7 @@ export const seriesColumns = (table, columnOf) => {
   if (table.time_column) {
     const taken = new Set(all.map((column) => column.number)), dated = Boolean(table.times?.start) && !(table.left_out ?? []).some((column) => column.is_time_stamp);
     const free = Array.from({ length: all.length + 1 }, (ignored, i) => i + 1).find((n) => !taken.has(n));
-    all.push({ name: table.time_column, unit: dated ? '' : table.times?.unit ?? '', number: taken.has(0) ? 0 : free, isNumeric: false, isAbscissa: true, isDate: dated, times: table.times });
+    all.push({ name: table.time_column, unit: dated ? '' : table.times?.unit ?? '', number: taken.has(0) ? 0 : free, isNumeric: false, isAbscissa: true, isDate: dated, isUniform: Boolean(table.sample_rate_hz), rows: table.rows, times: table.times });
   }
   all.sort((a, b) => a.number - b.number);
   for (const column of all) {
@@ -213,13 +213,15 @@ export const largePlot = (doc, list, known, column) => {
   if (!ys) return null;
   const { view } = column, time = columnNamed(known, doc.series?.time), axis = time !== column && time?.view?.low.length === view.low.length && !time.view.low.includes(null) ? time.view : null;
   const unit = { s: 's', min: 'min', d: 'd', row: '' }[doc.series?.time_unit] ?? 'h';
-  const at = (i) => (axis ? axis.low[i] : Math.min(view.end, i * view.step + 1)), last = view.low.length - 1;
-  const xs = [at(0), axis ? (axis.high ?? axis.low)[last] : view.end];
+  const isEven = time?.isUniform && !time.isDate && time.rows > 1, row = (i) => Math.min(view.end - 1, i * view.step), last = view.low.length - 1;
+  const evenTime = (k) => time.times.from + (time.times.to - time.times.from) * k / (time.rows - 1);
+  const at = (i) => (axis ? axis.low[i] : isEven ? evenTime(row(i)) : row(i) + 1);
+  const xs = [at(0), axis ? (axis.high ?? axis.low)[last] : isEven ? evenTime(view.end - 1) : view.end];
   if (!(xs[1] > xs[0])) return null;
-  const drawn = plot({ width: 560, height: 230, xs, ys, left: 64, xLabel: axis ? `${time.name}${unit ? ` [${unit}]` : ''}` : 'row', yLabel: column.unit || 'value', label: `${column.label} over ${axis ? time.name : 'the rows'}` });
+  const drawn = plot({ width: 560, height: 230, xs, ys, left: 64, xLabel: axis || isEven ? `${time.name}${unit ? ` [${unit}]` : ''}` : 'row', yLabel: column.unit || 'value', label: `${column.label} over ${axis || isEven ? time.name : 'the rows'}` });
   drawn.picture.append(svg('path', { class: 'trace', d: line(view, (i) => drawn.x(at(i)), drawn.y) }));
   const until = doc.learning?.until;
-  if (axis && typeof until === 'number' && until > xs[0] && until < xs[1])
+  if ((axis || isEven) && typeof until === 'number' && until > xs[0] && until < xs[1])
     drawn.picture.append(svg('line', { class: 'stage', x1: drawn.x(until), x2: drawn.x(until), y1: drawn.top, y2: drawn.bottom }, svg('title', {}, `end of the training period, ${until}`)),
       svg('text', { x: drawn.x(until) + 4, y: drawn.top + 10 }, 'end of training'));
   return drawn.picture;
