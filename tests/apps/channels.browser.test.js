@@ -661,6 +661,44 @@ test('a case takes only a window of the samples that it reads', skip, async () =
   await close();
 });
 
+test('the data viewer by keyboard: zoom, and messages on a band and on a sampling rate', skip, async () => {
+  fs.mkdirSync(at('keys'), { recursive: true });
+  fs.writeFileSync(at('keys/a.csv'), `a,b\n${Array.from({ length: 500 }, (ignored, i) => `${Math.sin(i).toFixed(4)},1\n`).join('')}`);
+  const { page, close } = await open('#/record/keys%2Fa.csv');
+  await idle(page);
+  const press = async (name, then) => {
+    await page.locator('button', { hasText: new RegExp(`^${name}$`) }).focus();
+    await page.keyboard.press('Enter');
+    await page.locator('.status', { hasText: then }).first().waitFor();
+  };
+  await press('Zoom in', 'Samples 125 to 375 of 500');
+  await press('Later', 'Samples 250 to 500 of 500');
+  for (let again = 0; again < 6; again += 1) await press('Zoom in', 'Samples');
+  await page.waitForFunction(() => { // at least 8 samples, at the end of the record as well
+    const [, from, to] = /Samples (\d+) to (\d+)/.exec(document.querySelector('.status').textContent);
+    return to - from === 8;
+  });
+  await press('Whole record', 'Samples 0 to 500 of 500');
+  const type = async (label, text) => {
+    await page.fill(`[aria-label="${label} in Hz"]`, text);
+    await page.locator(`[aria-label="${label} in Hz"]`).blur();
+  };
+  await type('Sampling rate', 'fast');
+  await page.locator('#message.bad', { hasText: 'must be a positive number in Hz, not fast' }).waitFor();
+  await type('Sampling rate', '100');
+  await page.locator('figure', { hasText: 'Spectrum of' }).waitFor();
+  assert.equal(await page.locator('#message').isVisible(), false);
+  await type('Lowest frequency of the band', '20');
+  await type('Highest frequency of the band', '5');
+  await page.locator('#message.bad', { hasText: 'the lower one first, not 20 to 5: it is not used' }).waitFor();
+  assert.equal(await page.locator('svg.plot .band').count(), 0);
+  await type('Highest frequency of the band', '80'); // above the spectrum
+  await page.locator('svg.plot .band').waitFor();
+  const [band, axis] = await page.evaluate(() => ['.band', '.axis'].map((one) => { const box = [...document.querySelectorAll(`svg.plot ${one}`)].at(-1).getBBox(); return box.x + box.width; }));
+  assert.ok(band <= axis + 0.1, `${band} ${axis}`);
+  await close();
+});
+
 test('a case that cannot be opened leaves the list and the panel at the present case', skip, async () => {
   twoTables('failing');
   const { page, close } = await open('#/record/failing%2Ftwo.uff');

@@ -1,7 +1,7 @@
 // The data viewer: channels of a measured file, zoomed in on the server, with spectra; and what becomes of the channels in
 // a case.
 import { ChannelPanel, columnsOf } from './channels.js';
-import { ask, attempt, background, button, element, number, painted, svg } from './dom.js';
+import { ask, attempt, background, button, element, number, painted, say, svg } from './dom.js';
 import { folderOf } from './modes_case.js';
 import { plot } from './plot.js';
 import { at, written } from './schema.js';
@@ -24,7 +24,7 @@ export const recordView = async (place, name) => {
   const stated = () => { const x = Number(rate.value.replace(',', '.')); return x > 0 && Number.isFinite(x) ? x : null; };
   const rateOf = () => current().sample_rate_hz ?? stated();
   const seconds = (row) => row / (rateOf() ?? 1);
-  const draw = () => attempt(async () => {
+  const redraw = () => background(async () => {
     turn += 1;
     const mine = turn, list = [...shown].sort((a, b) => a - b);
     if (!list.length) { plots.replaceChildren(); spectra.replaceChildren(); return; }
@@ -35,12 +35,17 @@ export const recordView = async (place, name) => {
     const spectrum = await get('spectrum', { name, table, begin, end, channels: list[0], ...(rateOf() ? { rate: rateOf() } : {}) });
     if (mine === turn) spectra.replaceChildren(spectrumPlot(current().channels[list[0]], spectrum));
   });
+  const draw = () => { // after an action of the user
+    say('');
+    return redraw();
+  };
 
   const zoom = (from, to) => {
     const rows = current().rows;
     back.push([begin, end]);
     [begin, end] = [Math.max(0, Math.round(from)), Math.min(rows, Math.round(to))];
     if (end - begin < 8) end = Math.min(rows, begin + 8);
+    if (end - begin < 8) begin = Math.max(0, end - 8);
     draw();
   };
 
@@ -88,26 +93,34 @@ export const recordView = async (place, name) => {
     if (good.length < 2) return element('p', { class: 'quiet' }, rateOf() ? 'No spectrum: values are missing in this window.' : 'No spectrum: the file does not state its sampling rate. Type it above.');
     const db = good.map(([v, s]) => [v, 10 * Math.log10(s)]);
     const drawn = plot({ width, height: 240, xs: [0, f.at(-1)], ys: [Math.min(...db.map((p) => p[1])), Math.max(...db.map((p) => p[1]))], xLabel: 'frequency [Hz]', yLabel: 'density [dB]', label: `Spectrum of ${channel.name}` });
-    if (band) drawn.picture.append(svg('rect', { class: 'band', x: drawn.x(band[0]), width: drawn.x(band[1]) - drawn.x(band[0]), y: drawn.top, height: drawn.bottom - drawn.top }));
+    const [from, to] = (band ?? [0, 0]).map((v) => drawn.x(Math.min(v, f.at(-1))));
+    if (to > from) drawn.picture.append(svg('rect', { class: 'band', x: from, width: to - from, y: drawn.top, height: drawn.bottom - drawn.top }));
     drawn.picture.append(svg('path', { class: 'trace', d: db.map(([v, l], i) => `${i ? 'L' : 'M'}${drawn.x(v).toFixed(1)} ${drawn.y(l).toFixed(1)}`).join('') }));
-    dragged(drawn, (from, to) => setBand([Number(Math.max(0, from).toPrecision(3)), Number(to.toPrecision(3))]));
+    dragged(drawn, (low, high) => { setBand([Number(Math.max(0, low).toPrecision(3)), Number(high.toPrecision(3))]); draw(); });
     return figure(`Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
   };
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
   const highest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Highest frequency of the band in Hz' });
-  const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz', onchange: () => { isTyped = true; draw(); } });
+  const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz', onchange: () => {
+    isTyped = true;
+    rate.toggleAttribute('aria-invalid', rate.value.trim() !== '' && !stated());
+    draw();
+    if (rate.hasAttribute('aria-invalid')) say(`The sampling rate must be a positive number in Hz, not ${rate.value}.`, true);
+  } });
   const bands = element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz');
   const stating = element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz');
   const setBand = (pair) => {
     band = [...pair];
     [lowest.value, highest.value] = band.map(String);
-    draw();
+    for (const one of [lowest, highest]) one.removeAttribute('aria-invalid');
   };
   for (const input of [lowest, highest]) input.addEventListener('change', () => {
-    const pair = [lowest, highest].map((one) => Number(one.value.replace(',', '.')));
-    band = pair[0] >= 0 && pair[1] > pair[0] ? pair : null;
+    const pair = [lowest, highest].map((one) => Number(one.value.replace(',', '.'))), isGiven = lowest.value.trim() !== '' && highest.value.trim() !== '';
+    band = isGiven && pair[0] >= 0 && pair[1] > pair[0] ? pair : null;
+    for (const one of [lowest, highest]) one.toggleAttribute('aria-invalid', isGiven && !band);
     draw();
+    if (isGiven && !band) say(`The band must be two frequencies in Hz, the lower one first, not ${lowest.value} to ${highest.value}: it is not used.`, true);
   });
 
   // The quality of the channels, when it is known.
@@ -223,7 +236,7 @@ export const recordView = async (place, name) => {
     const own = saved && at(doc, next.list().path);
     if (own?.sample_rate > 0 && !isTyped) rate.value = String(own.sample_rate);
     if (saved && Array.isArray(doc.band)) setBand(doc.band);
-    else if (own?.sample_rate) draw();
+    if (saved && (Array.isArray(doc.band) || own?.sample_rate)) redraw();
   };
   // Opens a case, or the draft of a new one. If this fails, the panel and the list keep the present case.
   let openings = 0;
@@ -270,7 +283,7 @@ export const recordView = async (place, name) => {
   }
   const first = current();
   place.replaceChildren(element('h1', {}, name),
-    element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'The file does not state its sampling rate', ...first.reading, first.fault].filter(Boolean).join('. ')),
+    element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'The file does not state its sampling rate', ...first.reading, first.fault].filter(Boolean).map((text) => text.replace(/\.$/, '')).join('. '), '.'),
     element('div', { class: 'buttons' }, button('Whole record', () => { back.push([begin, end]); [begin, end] = [0, 0]; draw(); }),
       button('Zoom in', () => { const wide = (end || current().rows) - begin; zoom(begin + wide / 4, begin + 3 * wide / 4); }),
       button('Zoom out', () => { const wide = (end || current().rows) - begin; zoom(begin - wide / 2, (end || current().rows) + wide / 2); }),
