@@ -729,6 +729,15 @@ test('a case that cannot be opened leaves the list and the panel at the present 
   await page.selectOption('[aria-label="Case"]', 'failing/b.json');
   await page.locator('a[href="#/case/failing%2Fb.json"]').waitFor();
   assert.equal(await page.inputValue('[aria-label="Case"]'), 'failing/b.json');
+  // Of two choices in quick succession, the last one counts.
+  await page.route(/api\/case\?name=failing%2Fa/, async (route) => { await new Promise((done) => { setTimeout(done, 1500); }); await route.continue(); });
+  await page.selectOption('[aria-label="Case"]', 'failing/a.json');
+  await page.selectOption('[aria-label="Case"]', 'A new modal case');
+  await page.waitForTimeout(2500);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'A new modal case');
+  assert.equal(await page.locator('button', { hasText: 'New modal case from this record' }).isVisible(), true);
+  assert.equal(await page.locator('.channels').evaluate((one) => one.inert), false);
+  await page.unroute(/api\/case\?name=failing%2Fa/);
   // The editor opens a file that is not valid JSON, and corrects it.
   fs.writeFileSync(at('failing/b.json'), '{"kind": "modal", ');
   await go(page, '#/channels/failing%2Fb.json');
