@@ -21,6 +21,7 @@
 #include "apps/application/project_list.hpp"
 #include "apps/application/record_view.hpp"
 #include "apps/application/run_queue.hpp"
+#include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/structures/section_case.hpp"
 #include "apps/cases/syntax/case_file.hpp"
 #include "apps/json_text.hpp"
@@ -283,8 +284,7 @@ class Application {
     if (what == "schema") return answer(response, Report(schema(parameter(request, "kind"))));
     if (what == "case") return get_case(parameter(request, "name"), response);
     if (what == "result") return get_result(request, response);
-    if (what == "checks")
-      return answer(response, records_.checked(place(parameter(request, "name"))));
+    if (what == "checks") return answer(response, records_.checked(source_of(request)));
     if (what == "record" || what == "window" || what == "spectrum")
       return get_record(what, request, response);
     if (what == "outline") return get_outline(request, response);
@@ -321,8 +321,28 @@ class Application {
     response.set_content(io::read_bytes(path, kLargestResult), kJson);
   }
 
+  /// The file that a request names, in the layout of its optional parameter "layout": an object
+  /// with the keys of a record that state the layout of a table.
+  [[nodiscard]] RecordSource source_of(const Request& request) const {
+    RecordSource out{.path = place(parameter(request, "name"))};
+    if (!request.has_param("layout")) return out;
+    const Json stated = parse_answer(request.get_param_value("layout"));
+    const auto decimal = stated.find("decimal");
+    if (!stated.is_object() ||
+        (decimal != stated.end() && *decimal != Json(".") && *decimal != Json(",")))
+      throw Refused{400, "layout: must be an object with keys of a record"};
+    const CaseFile holder{.path = out.path, .json = {{"record", stated}}};
+    out.layout = parse_layout(holder, Pointer("/record"));
+    out.arrays = parse_array_layout(holder, Pointer("/record"));
+    out.resample = stated.value("resample", false);
+    if (out.resample && stated.contains("sample_rate"))
+      out.sample_rate_hz = stated.at("sample_rate").get<double>();
+    out.stated = stated.dump();
+    return out;
+  }
+
   void get_record(const std::string& what, const Request& request, Response& response) {
-    const auto file = records_.open(place(parameter(request, "name")));
+    const auto file = records_.open(source_of(request));
     if (what == "record") return answer(response, record_contents(*file));
     RecordWindow window{.table = static_cast<std::size_t>(number(request, "table", 0)),
                         .begin = number(request, "begin", 0),

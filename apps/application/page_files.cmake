@@ -8,7 +8,7 @@ foreach(part IN ITEMS :index.html:text/html app.css:app.css:text/css shapes.js::
     schema.js:schema.js:text/javascript drawing.js:drawing.js:text/javascript table.js:table.js:text/javascript
     runs.js:runs.js:text/javascript poles.js:poles.js:text/javascript record.js:record.js:text/javascript
     plot.js:plot.js:text/javascript arrows.js:arrows.js:text/javascript sensors.js:sensors.js:text/javascript
-    channels.js:channels.js:text/javascript
+    channels.js:channels.js:text/javascript series.js:series.js:text/javascript
     modes_case.js:modes_case.js:text/javascript trace.js:trace.js:text/javascript)
   string(REPLACE ":" ";" part "${part}")
   list(GET part 0 name)

@@ -56,9 +56,11 @@ FoundFiles visit(const fs::path& root) {
     }
     const fs::path& path = at->path();
     const std::string name = path.filename().string();
-    if (name.starts_with('.') || at.depth() >= kDeepestFolder) {
+    // AppFolder::place() rejects these names.
+    const bool is_rejected = name.starts_with('.') || name.find('\\') != std::string::npos;
+    if (is_rejected || at.depth() >= kDeepestFolder) {
       at.disable_recursion_pending();
-      if (name.starts_with('.')) continue;
+      if (is_rejected) continue;
     }
     std::error_code ignored;
     if (at->is_symlink(ignored) || !at->is_regular_file(ignored) || io::first_unprintable(name))

@@ -48,6 +48,10 @@ Report short_number(double x) {
   return std::isfinite(x) ? Report(compact(x)) : Report();
 }
 
+double share_of(long part, long all) {
+  return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+}
+
 Report checks_of(const MeasuredTable& table) {
   Report out = Report::array();
   for (const MeasuredChannel& channel : table.channels) {
@@ -57,7 +61,10 @@ Report checks_of(const MeasuredTable& table) {
     const bool is_empty = channel.quality.missing == channel.quality.samples;
     out.push_back({{"rms", is_empty ? Report() : finite(channel.quality.rms)},
                    {"faults", oddities(table, channel)},
-                   {"peaks_hz", peaks}});
+                   {"peaks_hz", peaks},
+                   {"missing", share_of(channel.quality.missing, channel.quality.samples)},
+                   {"lowest", is_empty ? Report() : finite(channel.quality.lowest)},
+                   {"highest", is_empty ? Report() : finite(channel.quality.highest)}});
   }
   return out;
 }
@@ -72,17 +79,17 @@ std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWin
 
 }  // namespace
 
-std::shared_ptr<const MeasuredFile> OpenRecords::open(const fs::path& path) {
+std::shared_ptr<const MeasuredFile> OpenRecords::open(const RecordSource& source) {
   const std::lock_guard lock(mutex_);
-  return entry_of(path).file;
+  return entry_of(source).file;
 }
 
-Report OpenRecords::checked(const fs::path& path) {
+Report OpenRecords::checked(const RecordSource& source) {
   const std::lock_guard one_at_a_time(checking_);
   std::shared_ptr<MeasuredFile> file;
   {
     const std::lock_guard lock(mutex_);
-    const Opened& one = entry_of(path);
+    const Opened& one = entry_of(source);
     if (!one.checked.is_null()) return one.checked;
     file = one.file;
   }
@@ -97,20 +104,28 @@ Report OpenRecords::checked(const fs::path& path) {
   return out;
 }
 
-OpenRecords::Opened& OpenRecords::entry_of(const fs::path& path) {
+OpenRecords::Opened& OpenRecords::entry_of(const RecordSource& source) {
+  const fs::path& path = source.path;
   std::error_code error;
-  Opened now{.path = path, .bytes = fs::file_size(path, error)};
+  Opened now{.path = path, .stated = source.stated, .bytes = fs::file_size(path, error)};
   now.changed = fs::last_write_time(path, error);
+  const auto is_current = [&](const Opened& one) {
+    return one.bytes == now.bytes && one.changed == now.changed;
+  };
   const auto found = std::ranges::find_if(opened_, [&](const Opened& one) {
-    return one.path == now.path && one.bytes == now.bytes && one.changed == now.changed;
+    return one.path == now.path && one.stated == now.stated && is_current(one);
   });
   if (found != opened_.end()) {
     opened_.splice(opened_.begin(), opened_, found);
     return opened_.front();
   }
-  std::erase_if(opened_, [&](const Opened& one) { return one.path == path; });
+  std::erase_if(opened_, [&](const Opened& one) { return one.path == path && !is_current(one); });
   while (opened_.size() >= kOpen) opened_.pop_back();  // free memory before another file is read
-  now.file = std::make_shared<MeasuredFile>(look_at(path, {.check = false}));
+  now.file = std::make_shared<MeasuredFile>(look_at(path, {.sample_rate_hz = source.sample_rate_hz,
+                                                           .layout = source.layout,
+                                                           .arrays = source.arrays,
+                                                           .resample = source.resample,
+                                                           .check = false}));
   opened_.push_front(std::move(now));
   return opened_.front();
 }
@@ -128,7 +143,17 @@ Report record_contents(const MeasuredFile& file) {
                   {"time_column", table.is_time ? table.abscissa : std::string()},
                   {"reading", reading_in_words(table)},
                   {"fault", table.sampling_fault},
-                  {"channels", channels}};
+                  {"channels", channels},
+                  {"left_out", Report::array()}};
+    if (table.is_time && !table.x.empty())
+      one["times"] = {{"from", finite(table.x.front())},
+                      {"to", finite(table.x.back())},
+                      {"unit", table.abscissa_unit},
+                      {"start", table.layout ? table.layout->start : std::string()}};
+    for (const signals::LeftOutColumn& column : table.left_out)
+      one["left_out"].push_back({{"name", column.header},
+                                 {"number", column.number},
+                                 {"is_time_stamp", column.is_time_stamp}});
     if (table.sample_rate_hz) one["sample_rate_hz"] = *table.sample_rate_hz;
     tables.push_back(std::move(one));
   }

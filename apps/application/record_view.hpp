@@ -14,31 +14,46 @@
 
 namespace wheeltap::apps {
 
-/// The most recently opened files, identified by path, size and time of the last change.
+/// A measured file, with the layout that a case states for it.
+struct RecordSource {
+  std::filesystem::path path;
+  io::TextLayout layout = {};
+  io::ArrayLayout arrays = {};
+  bool resample = false;                      ///< interpolate uneven time steps
+  std::optional<double> sample_rate_hz = {};  ///< rate of the interpolated record [Hz]
+  std::string stated = {};  ///< the keys of the case that state the layout, as JSON; may be empty
+};
+
+/// The most recently opened files, identified by path, stated layout, size and time of the last
+/// change.
 class OpenRecords {
  public:
   /// Reads the file unless it is still in memory. The channels are not checked. Throws
   /// io::FileError, Failure.
-  [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const std::filesystem::path& path);
-  /// Opens the file and checks its channels; the check can take longer than the reading. Returns
-  /// {tables: [[{rms, faults, peaks_hz}, …], …]}, one object for each channel.
-  [[nodiscard]] Report checked(const std::filesystem::path& path);
+  [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const RecordSource& source);
+  /// Opens the file and checks its channels, which can take longer than reading it. Returns
+  /// {tables: [[{rms, faults, peaks_hz, missing, lowest, highest}, …], …]}, one object for each
+  /// channel. `missing` is the share of samples that are not finite.
+  [[nodiscard]] Report checked(const RecordSource& source);
 
  private:
   struct Opened {
     std::filesystem::path path;
+    std::string stated = {};
     std::uintmax_t bytes = 0;
     std::filesystem::file_time_type changed = {};
     std::shared_ptr<MeasuredFile> file = {};
     Report checked = {};  ///< null before the check
   };
   /// The entry of a file; the caller must hold mutex_.
-  Opened& entry_of(const std::filesystem::path& path);
+  Opened& entry_of(const RecordSource& source);
   std::mutex mutex_, checking_;
   std::list<Opened> opened_;  // most recently used first
 };
 
-/// Returns {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit}, …]}, …]}.
+/// Returns {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit}, …],
+/// time_column, times: {from, to, unit, start}, left_out: [{name, number, is_time_stamp}, …]}, …]}.
+/// `times` is the range of the time column. `left_out` are the columns that are not channels.
 [[nodiscard]] Report record_contents(const MeasuredFile& file);
 
 /// A window of a table.

@@ -389,6 +389,27 @@ test('figures, tables and reports as files', skip, async () => {
   await close();
 });
 
+test('the skip link keeps the page, and a malformed address leaves no stale page', skip, async () => {
+  run('init', 'damage', '-o', path.join(folder, 'skipped'));
+  const { page, close } = await open('#/case/skipped%2Fdamage.json');
+  await input(page, '/title').fill('Another title');
+  const asked = [];
+  page.on('dialog', (dialog) => { asked.push(dialog.message()); return dialog.accept(); });
+  await page.focus('.skip');
+  await page.keyboard.press('Enter');
+  await page.waitForTimeout(500);
+  assert.deepEqual(asked, []);
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'content');
+  assert.equal(await page.textContent('h1'), 'skipped/damage.json');
+  assert.equal(await input(page, '/title').inputValue(), 'Another title');
+  await go(page, '#/case/%ZZ.json');
+  await page.locator('#message.bad', { hasText: '%ZZ.json' }).waitFor();
+  assert.equal(await page.textContent('h1'), '%ZZ.json');
+  await go(page, '#/case/');
+  assert.equal(await page.textContent('h1'), 'Cases');
+  await close();
+});
+
 // The files of a drawing: a square tube of 100 mm with rounded corners outside and a round hole, in millimetres.
 const drawing = (entities) => ['0', 'SECTION', '2', 'HEADER', '9', '$INSUNITS', '70', '4', '0', 'ENDSEC', '0', 'SECTION', '2', 'ENTITIES', ...entities, '0', 'ENDSEC', '0', 'EOF', ''].join('\n');
 const tube = drawing([...['0', 'LWPOLYLINE', '90', '8', '70', '1'],

@@ -432,6 +432,26 @@ def records_are_decimated_on_the_server(root):
             app.get("spectrum", 400, name="values.csv", channels="0", rate=bad)
 
 
+def records_have_the_layout_of_a_case(root):
+    folder = folder_with_case(root)
+    (folder / "layout.csv").write_text("date;f [Hz];note;air\n" + "".join(f"2026-01-01T00:{i:02};{'' if i % 4 == 0 else i};ok;7\n" for i in range(40)))
+    (folder / "back\\slash.csv").write_text("a,b\n1,2\n")
+    with App(folder) as app:
+        assert [r["name"] for r in app.get("projects")["records"]] == ["layout.csv"]  # no name that the server rejects
+        table = app.get("record", name="layout.csv")["tables"][0]
+        assert table["rows"] == 40 and table["time_column"] == "date" and table["times"]["start"].startswith("2026-01-01"), table
+        assert table["left_out"] == [{"name": "note", "number": 3, "is_time_stamp": False}], table
+        f, air = app.get("checks", name="layout.csv")["tables"][0]
+        assert f["missing"] == 0.25 and (f["lowest"], f["highest"]) == (1, 39) and (air["missing"], air["lowest"], air["highest"]) == (0, 7, 7), (f, air)
+        skipping = json.dumps({"skip": 11, "header": 0})
+        assert app.get("record", name="layout.csv", layout=skipping)["tables"][0]["rows"] == 30
+        assert app.get("checks", name="layout.csv", layout=skipping)["tables"][0][0]["missing"] == 7 / 30
+        assert app.get("window", name="layout.csv", layout=skipping, channels="0")["end"] == 30
+        assert app.get("record", name="layout.csv")["tables"][0]["rows"] == 40  # the other layout stays in memory
+        for bad in ("", "[", "[]", "3", {"decimal": ""}, {"decimal": 1}, {"separator": "xx"}, {"skip": "a"}, {"sheet": "x"}, {"resample": 1}, {"time_format": "%Q"}, {"resample": True, "sample_rate": -1}):
+            app.get("record", 400, name="layout.csv", layout=bad if isinstance(bad, str) else json.dumps(bad))
+
+
 def drawing(*entities):
     return "\n".join(["0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", "4", "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES", *entities,
                       "0", "ENDSEC", "0", "EOF", ""])
@@ -529,7 +549,7 @@ CHECKS = [only_the_token_opens_it, other_sites_are_rejected, answers_have_strict
           other_files_are_not_replaced, oversized_and_malformed_requests_are_rejected, slow_connections_do_not_block_it,
           hostile_names_are_text, checks_are_those_of_the_program, a_run_gives_the_bits_of_the_command_line,
           commands_of_a_case_do_not_run, a_killed_server_leaves_a_checkpoint, records_are_decimated_on_the_server,
-          poles_of_a_case_are_its_modes, drawings_are_stored_beside_a_case, a_run_has_a_trace_of_its_probabilities]
+          records_have_the_layout_of_a_case, poles_of_a_case_are_its_modes, drawings_are_stored_beside_a_case, a_run_has_a_trace_of_its_probabilities]
 
 if __name__ == "__main__":
     for check in CHECKS:

@@ -470,10 +470,293 @@ test('a case shows no other file for an absolute or an empty name', skip, async 
   await close();
 });
 
+const role = (page, column, value) => page.locator(`[aria-label="Role of ${column}"] input[value="${value}"]`);
+const rolesNow = (page) => page.locator('.channels tbody tr').evaluateAll((rows) => Object.fromEntries(rows.map((row) => [row.querySelector('th').textContent, row.querySelector('input[type=radio]:checked')?.value ?? row.querySelector('.quiet')?.textContent])));
+
+test('the columns of the table of a monitor case: ranges, missing values, plots and roles by click', skip, async () => {
+  run('init', 'monitor', '-o', at('bridge'));
+  const before = read('bridge/monitor.json');
+  const { page, close } = await open('#/case/bridge%2Fmonitor.json');
+  await page.click('text=Columns of the table');
+  await ready(page);
+  assert.deepEqual(await rolesNow(page), { hour: 'time', 'f1 [Hz]': 'feature', 'f2 [Hz]': 'feature', 'f3 [Hz]': 'feature', 'air [degC]': 'covariate' });
+  // The share of missing values and the range are those of the file; each column has a plot, the selected one a large one.
+  const lines = fs.readFileSync(at('bridge/monitor.csv'), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+  const cells = page.locator('.channels tbody tr').nth(1).locator('td');
+  await page.locator('.channels td.missing', { hasText: '%' }).first().waitFor();
+  const empty = lines.filter((line) => line[1] === '').length, values = lines.map((line) => line[1]).filter((text) => text !== '').map(Number);
+  assert.ok(empty > 0);
+  assert.equal(await cells.nth(2).textContent(), `${Number((100 * empty / lines.length).toPrecision(3))} %`);
+  assert.equal(await cells.nth(3).locator('.range').textContent(), `${Number(Math.min(...values).toPrecision(4))} to ${Number(Math.max(...values).toPrecision(4))}`);
+  assert.equal(await page.locator('.channels svg.small').count(), 5);
+  assert.match(await page.getAttribute('.channels .chooser svg.plot', 'aria-label'), /^f1 over hour$/);
+  assert.equal(await page.locator('.channels .chooser text', { hasText: 'end of training' }).count(), 1);
+  await shot(page, 'columns');
+  // Roles by click; undo; a feature that returns keeps its name and its place.
+  await page.click('[aria-label="Role of f2"] label:has-text("ignored")');
+  await ready(page);
+  await page.locator('text=2 features, 1 covariate; times in hour.').waitFor();
+  await page.click('[aria-label="Role of f2"] label:has-text("feature")');
+  await ready(page);
+  assert.equal(await page.locator('.channels button', { hasText: /^Save$/ }).isDisabled(), true);
+  // By keyboard.
+  await role(page, 'f3', 'feature').focus();
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await role(page, 'f3', 'covariate').evaluate((one) => one.checked && one === document.activeElement), true);
+  await page.keyboard.press('Control+z');
+  assert.equal(await role(page, 'f3', 'feature').isChecked(), true);
+  // Only one column holds the times.
+  await role(page, 'air', 'time').check();
+  assert.equal(await role(page, 'hour', 'ignore').isChecked(), true);
+  await page.locator('.channels .status.bad').waitFor();
+  await page.click('.channels >> text=Undo');
+  await role(page, 'hour', 'ignore').check();
+  await page.locator('.channels .status.bad', { hasText: '/series/time' }).waitFor();
+  await page.locator('text=no column of times').waitFor();
+  await role(page, 'hour', 'time').check();
+  await role(page, 'f1', 'ignore').check();
+  await role(page, 'air', 'ignore').check();
+  await ready(page);
+  await save(page);
+  const { covariates, ...series } = before.series;
+  assert.deepEqual(read('bridge/monitor.json'), { ...before, series: { ...series, features: ['f2 [Hz]', 'f3 [Hz]'] } });
+  run('monitor', at('bridge/monitor.json'), '-o', at('bridge/none'), '--dry-run');
+  // The data viewer shows the case of the table as well.
+  await go(page, '#/record/bridge%2Fmonitor.csv');
+  await ready(page);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'bridge/monitor.json');
+  await role(page, 'air', 'covariate').check();
+  await ready(page);
+  await save(page);
+  assert.deepEqual(covariates, ['air [degC]']);
+  assert.deepEqual(read('bridge/monitor.json').series.covariates, ['air']);
+  await close();
+});
+
+test('columns of dates, texts, equal names and standard deviations, and the mode of each feature', skip, async () => {
+  const date = (i) => new Date(Date.UTC(2026, 0, 1) + 36e5 * i).toISOString().slice(0, 16);
+  const rows = Array.from({ length: 60 }, (ignored, i) => [date(i), (4 + 0.01 * Math.sin(i)).toFixed(4), (5 + 0.01 * Math.cos(i)).toFixed(4), '0.01', '0.02', (10 + i % 7).toFixed(1), 11 + i % 5, 'ok']);
+  fs.mkdirSync(at('dated'), { recursive: true });
+  fs.writeFileSync(at('dated/ø table #1.csv'), `date;f1 [Hz];f2 [Hz];sd 1;sd 2;air;air;<b>note</b>\n${rows.map((row) => row.join(';')).join('\n')}\n`);
+  const beam = { length: 30, elements: 30, supports: 'simply-supported', material: { young: 30e9, poisson: 0.2, density: 2500 }, section: { shape: 'rectangle', width: 1, height: 0.6 } };
+  write('dated/case.json', { kind: 'monitor', series: { file: 'ø table #1.csv', separator: ';', time: 'date', features: ['f1 [Hz]', 'f2 [Hz]'] }, learning: { until: '2026-01-02T12:00' }, beam,
+    damage: { kind: 'reduction', count: { max: 1 }, location: { uniform: [0, 30] }, reduction: { uniform: [0, 0.8] } } });
+  const { page, close } = await open('#/channels/dated%2Fcase.json');
+  await ready(page);
+  assert.deepEqual(Object.values(await rolesNow(page)), ['time', 'feature', 'feature', 'ignore', 'ignore', 'ignore', 'ignore', 'ignore']);
+  assert.equal(await page.locator('.channels tbody tr').nth(7).locator('th').textContent(), '<b>note</b>');
+  assert.equal(await role(page, '<b>note</b>', 'feature').isDisabled(), true);
+  assert.match(await page.locator('.channels .range').first().textContent(), /^dates from 2026-01-01/);
+  // One of two columns of a name, by its number.
+  await role(page, 'air (column 7)', 'covariate').check();
+  await ready(page);
+  // Without the first feature, the second one is still mode 2.
+  await role(page, 'f1', 'ignore').check();
+  assert.equal(await page.inputValue('[aria-label="mode number of f2"]'), '2');
+  await ready(page);
+  await page.selectOption('[aria-label="standard deviation of f2"]', 'sd 2');
+  await ready(page);
+  assert.equal((await rolesNow(page))['sd 2'], 'standard deviation of f2 [Hz]');
+  await save(page);
+  const made = read('dated/case.json');
+  assert.deepEqual(made.series, { file: 'ø table #1.csv', separator: ';', time: 'date', features: ['f2 [Hz]'], covariates: [7], sd: ['sd 2'] });
+  assert.deepEqual(made.explanation, { modes: [2] });
+  // Each feature needs a standard deviation: the message stands at its field.
+  await role(page, 'f1', 'feature').check();
+  assert.equal(await page.inputValue('[aria-label="mode number of f1"]'), '1');
+  await page.locator('.channels td .fault:visible').waitFor();
+  assert.equal(await page.getAttribute('[aria-label="standard deviation of f1"]', 'aria-invalid'), 'true');
+  await page.selectOption('[aria-label="standard deviation of f1"]', 'sd 1');
+  await ready(page);
+  await page.fill('[aria-label="mode number of f1"]', '2');
+  await page.locator('.channels td .fault:visible', { hasText: 'named twice' }).waitFor();
+  await page.click('.channels >> text=Undo');
+  await save(page);
+  assert.deepEqual(read('dated/case.json').series, { file: 'ø table #1.csv', separator: ';', time: 'date', features: ['f1 [Hz]', 'f2 [Hz]'], covariates: [7], sd: ['sd 1', 'sd 2'] });
+  // The table of times of raw records has no features.
+  write('dated/tests.json', { kind: 'monitor', series: { modes: 'modes', times: 'ø table #1.csv', time: 'date' }, learning: { until: '2026-01-02T12:00' } });
+  await go(page, '#/channels/dated%2Ftests.json');
+  await page.locator('.channels tbody tr').nth(7).waitFor();
+  assert.equal(await page.locator('.channels input[value=feature]').count(), 0);
+  await role(page, 'sd 1', 'covariate').check();
+  await save(page);
+  assert.deepEqual(read('dated/tests.json').series.covariates, ['sd 1']);
+  await close();
+});
+
+test('a case takes only a window of the samples that it reads', skip, async () => {
+  const take = (page) => page.click('text=Use this window and band in the case'), unsaved = (page) => page.locator('.channels button', { hasText: /^Save$/ }).isEnabled();
+  const refused = async (page, words) => {
+    await take(page);
+    await page.locator('#message.bad', { hasText: words }).waitFor();
+    assert.equal(await unsaved(page), false);
+  };
+  const zoom = async (page, from, to) => {
+    await page.locator('figure', { hasText: 'Spectrum of' }).waitFor();
+    await page.evaluate(() => scrollTo(0, 0));
+    const before = await page.textContent('.status'), isZoomed = () => page.waitForFunction((old) => document.querySelector('.status').textContent !== old, before, { timeout: 2000 }).then(() => true, () => false);
+    for (let again = 0; again < 5; again += 1) { // a drag is lost if the plots are drawn again meanwhile
+      const box = await page.locator('.strips svg').first().boundingBox();
+      if (!box) continue;
+      await page.mouse.move(box.x + from * box.width, box.y + 40);
+      await page.mouse.down();
+      await page.mouse.move(box.x + to * box.width, box.y + 40, { steps: 3 });
+      await page.mouse.up();
+      if (await isZoomed()) return;
+    }
+    assert.fail('the plot is not zoomed');
+  };
+  // Another table of the file.
+  twoTables('window');
+  const { page, close } = await open('#/record/window%2Ftwo.uff');
+  await viewed(page).selectOption({ index: 1 });
+  await page.locator('.status', { hasText: 'of 200' }).waitFor();
+  await zoom(page, 0.3, 0.6);
+  await refused(page, 'The case reads 300 samples at 100 Hz from two.uff (table 1), but the window is a window of 200 samples at 100 Hz (table 2).');
+  // Another record of the case.
+  const line = (i) => `${Math.sin(i).toFixed(4)},${Math.cos(i).toFixed(4)}\n`;
+  for (const [name, count] of [['one', 400], ['two', 300]]) fs.writeFileSync(at(`window/${name}.csv`), `a,b\n${Array.from({ length: count }, (ignored, i) => line(i)).join('')}`);
+  const channels = [{ column: 'a', role: 'response' }, { column: 'b', role: 'response' }];
+  write('window/set-ups.json', { kind: 'modal', records: ['one', 'two'].map((name) => ({ file: `${name}.csv`, sample_rate: 50, channels })) });
+  await go(page, '#/record/window%2Fone.csv');
+  await idle(page);
+  await zoom(page, 0.3, 0.6);
+  await page.selectOption('.channels .buttons select', { index: 1 });
+  await idle(page);
+  await refused(page, 'The channels below are those of two.csv, but the window is a window of one.csv.');
+  await page.selectOption('.channels .buttons select', { index: 0 });
+  await idle(page);
+  await take(page);
+  await page.waitForFunction(() => !document.querySelector('.channels .buttons button:nth-child(2)').disabled);
+  await save(page);
+  const [one, two] = read('window/set-ups.json').records;
+  assert.ok(one.samples[0] > 50 && one.samples[1] < 300, String(one.samples));
+  assert.equal(two.samples, undefined);
+  // A layout that the case states: the rows differ from those of the view, or not.
+  for (const [name, keys] of [['skipping', { skip: 100, header: 0 }], ['same', { decimal: '.', separator: ',' }]]) write(`window/${name}.json`, { kind: 'modal', record: { file: 'one.csv', sample_rate: 80, ...keys, channels: [1, 2].map((column) => ({ column, role: 'response' })) } });
+  await go(page, '#/');
+  await go(page, '#/record/window%2Fone.csv');
+  await page.selectOption('[aria-label="Case"]', 'window/skipping.json');
+  await page.locator('a[href="#/case/window%2Fskipping.json"]').waitFor();
+  await refused(page, /The case reads 30\d samples from one\.csv with its keys "skip", "header", but the window is a window of 400 samples/);
+  await page.selectOption('[aria-label="Case"]', 'window/same.json');
+  await page.locator('a[href="#/case/window%2Fsame.json"]').waitFor();
+  await zoom(page, 0.3, 0.6);
+  await take(page);
+  await page.waitForFunction(() => !document.querySelector('.channels .buttons button:nth-child(2)').disabled);
+  await save(page);
+  assert.ok(read('window/same.json').record.samples[1] < 300);
+  // The sampling rate of the case opened before is not the rate of this case.
+  await page.selectOption('[aria-label="Case"]', 'window/set-ups.json');
+  await page.locator('a[href="#/case/window%2Fset-ups.json"]').waitFor();
+  assert.equal(await page.inputValue('[aria-label="Sampling rate in Hz"]'), '50');
+  await page.click('text=Whole record');
+  await take(page);
+  await page.waitForFunction(() => !document.querySelector('.channels .buttons button:nth-child(2)').disabled);
+  await save(page);
+  assert.deepEqual(read('window/set-ups.json').records, ['one', 'two'].map((name) => ({ file: `${name}.csv`, sample_rate: 50, channels })));
+  // A file that grew meanwhile.
+  fs.appendFileSync(at('window/one.csv'), line(400));
+  await refused(page, 'Open the record again: the file has changed since.');
+  await close();
+});
+
+test('the data viewer by keyboard: zoom, and messages on a band and on a sampling rate', skip, async () => {
+  fs.mkdirSync(at('keys'), { recursive: true });
+  fs.writeFileSync(at('keys/a.csv'), `a,b\n${Array.from({ length: 500 }, (ignored, i) => `${Math.sin(i).toFixed(4)},1\n`).join('')}`);
+  const { page, close } = await open('#/record/keys%2Fa.csv');
+  await idle(page);
+  const press = async (name, then) => {
+    await page.locator('button', { hasText: new RegExp(`^${name}$`) }).focus();
+    await page.keyboard.press('Enter');
+    await page.locator('.status', { hasText: then }).first().waitFor();
+  };
+  await press('Zoom in', 'Samples 125 to 375 of 500');
+  await press('Later', 'Samples 250 to 500 of 500');
+  for (let again = 0; again < 6; again += 1) await press('Zoom in', 'Samples');
+  await page.waitForFunction(() => { // at least 8 samples, at the end of the record as well
+    const [, from, to] = /Samples (\d+) to (\d+)/.exec(document.querySelector('.status').textContent);
+    return to - from === 8;
+  });
+  await press('Whole record', 'Samples 0 to 500 of 500');
+  const type = async (label, text) => {
+    await page.fill(`[aria-label="${label} in Hz"]`, text);
+    await page.locator(`[aria-label="${label} in Hz"]`).blur();
+  };
+  await type('Sampling rate', 'fast');
+  await page.locator('#message.bad', { hasText: 'must be a positive number in Hz, not fast' }).waitFor();
+  await type('Sampling rate', '100');
+  await page.locator('figure', { hasText: 'Spectrum of' }).waitFor();
+  assert.equal(await page.locator('#message').isVisible(), false);
+  await type('Lowest frequency of the band', '20');
+  await type('Highest frequency of the band', '5');
+  await page.locator('#message.bad', { hasText: 'the lower one first, not 20 to 5: it is not used' }).waitFor();
+  assert.equal(await page.locator('svg.plot .band').count(), 0);
+  await type('Highest frequency of the band', '80'); // above the spectrum
+  await page.locator('svg.plot .band').waitFor();
+  const [band, axis] = await page.evaluate(() => ['.band', '.axis'].map((one) => { const box = [...document.querySelectorAll(`svg.plot ${one}`)].at(-1).getBBox(); return box.x + box.width; }));
+  assert.ok(band <= axis + 0.1, `${band} ${axis}`);
+  await close();
+});
+
+test('a case that cannot be opened leaves the list and the panel at the present case', skip, async () => {
+  twoTables('failing');
+  const { page, close } = await open('#/record/failing%2Ftwo.uff');
+  await page.locator('a[href="#/case/failing%2Fa.json"]').waitFor();
+  const unchanged = async (words) => {
+    await page.selectOption('[aria-label="Case"]', 'failing/b.json');
+    await page.locator('#message.bad', { hasText: words }).waitFor();
+    assert.match(await page.textContent('#message'), /The page still shows failing\/a\.json\.$/);
+    assert.equal(await page.inputValue('[aria-label="Case"]'), 'failing/a.json');
+    assert.equal(await page.locator('a[href="#/case/failing%2Fa.json"]').count(), 1);
+    assert.equal(await page.locator('.channels').evaluate((one) => one.inert), false);
+  };
+  const whole = read('failing/b.json');
+  fs.writeFileSync(at('failing/b.json'), '{"kind": "modal", ');
+  await unchanged('failing/b.json is not valid JSON');
+  fs.writeFileSync(at('failing/b.json'), '{"kind": "modal"}');
+  await unchanged('failing/b.json has changed: it no longer names the record two.uff.');
+  fs.rmSync(at('failing/b.json'));
+  await unchanged('b.json');
+  // Edits of the present case remain, and Save writes it.
+  await field(page, 'Role', '11:+Z Acceleration').selectOption('ignore');
+  page.once('dialog', (dialog) => dialog.accept());
+  await unchanged('b.json');
+  assert.equal(await field(page, 'Role', '11:+Z Acceleration').inputValue(), 'ignore');
+  await save(page);
+  assert.equal(read('failing/a.json').record.channels[0].role, 'ignore');
+  write('failing/b.json', whole);
+  await page.selectOption('[aria-label="Case"]', 'failing/b.json');
+  await page.locator('a[href="#/case/failing%2Fb.json"]').waitFor();
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'failing/b.json');
+  // Of two choices in quick succession, the last one counts.
+  await page.route(/api\/case\?name=failing%2Fa/, async (route) => { await new Promise((done) => { setTimeout(done, 1500); }); await route.continue(); });
+  await page.selectOption('[aria-label="Case"]', 'failing/a.json');
+  await page.selectOption('[aria-label="Case"]', 'A new modal case');
+  await page.waitForTimeout(2500);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'A new modal case');
+  assert.equal(await page.locator('button', { hasText: 'New modal case from this record' }).isVisible(), true);
+  assert.equal(await page.locator('.channels').evaluate((one) => one.inert), false);
+  await page.unroute(/api\/case\?name=failing%2Fa/);
+  // The editor opens a file that is not valid JSON, and corrects it.
+  fs.writeFileSync(at('failing/b.json'), '{"kind": "modal", ');
+  await go(page, '#/channels/failing%2Fb.json');
+  await page.locator('text=This file is not valid JSON').waitFor();
+  await page.click('main a:has-text("Edit the case")');
+  await page.locator('text=The form appears when the JSON text is valid.').waitFor();
+  await page.locator('button', { hasText: /^Run$/ }).click();
+  await page.locator('#message.bad', { hasText: 'not valid JSON' }).waitFor();
+  await page.fill('textarea.code', JSON.stringify(whole));
+  await page.locator('[data-pointer="/record/file"]').waitFor();
+  page.once('dialog', (dialog) => dialog.accept());
+  await go(page, '#/');
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });
-    for (const place of ['#/record/tower%2Fmodal.csv', '#/channels/portal%2Fdamage.json', '#/channels/building%2Fdamage.json', '#/channels/beam%2Fdamage.json', '#/channels/space%2Fset-ups.json', '#/record/sid%2Fsid.csv']) {
+    for (const place of ['#/record/tower%2Fmodal.csv', '#/channels/portal%2Fdamage.json', '#/channels/building%2Fdamage.json', '#/channels/beam%2Fdamage.json', '#/channels/space%2Fset-ups.json', '#/record/sid%2Fsid.csv', '#/channels/bridge%2Fmonitor.json', '#/channels/dated%2Fcase.json', '#/record/bridge%2Fmonitor.csv']) {
       await go(page, place);
       await ready(page, /Valid|: /);
       await page.evaluate(axe);

@@ -11,6 +11,15 @@ const words = { case: 'Case', result: 'Results', record: 'Record', poles: 'Poles
 const content = document.getElementById('content');
 let close, shown = location.hash, turn = 0;
 
+// The name in an address; a name with a percent sign that someone typed stays as it is.
+const decoded = (name) => {
+  try {
+    return decodeURIComponent(name);
+  } catch {
+    return name;
+  }
+};
+
 const route = async () => {
   if (close?.unsaved?.() && location.hash !== shown && !confirm('Leave without saving the case?')) {
     history.replaceState(null, '', shown);
@@ -21,8 +30,8 @@ const route = async () => {
   shown = location.hash;
   turn += 1;
   const mine = turn;
-  const [, kind = '', name = ''] = /^#\/([a-z]*)\/?(.*)$/.exec(shown) ?? [];
-  const file = decodeURIComponent(name);
+  const [, given = '', name = ''] = /^#\/([a-z]*)\/?(.*)$/.exec(shown) ?? [];
+  const file = decoded(name), kind = file ? given : ''; // an address without a name shows the cases
   document.getElementById('place').replaceChildren(element('a', { href: '#/', 'aria-current': views[kind] ? undefined : 'page' }, 'Cases'),
     ...(views[kind] ? [element('span', { 'aria-current': 'page' }, `${words[kind]}: ${file}`)] : []));
   document.title = views[kind] ? `${file} · Wheeltap` : 'Wheeltap';
@@ -33,6 +42,12 @@ const route = async () => {
   if (end === undefined && content.textContent === 'Reading …') content.replaceChildren(element('h1', {}, file || 'Cases'), element('p', {}, element('a', { href: '#/' }, 'Back to the cases')));
   document.documentElement.dataset.ready = shown || '#/';
 };
+
+// The address names the page, so this link moves the focus itself.
+document.querySelector('.skip').addEventListener('click', (event) => {
+  event.preventDefault();
+  content.focus();
+});
 
 addEventListener('hashchange', () => { delete document.documentElement.dataset.ready; route(); });
 route();

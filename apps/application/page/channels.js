@@ -1,23 +1,29 @@
-// What becomes of each channel of a case: role, place, direction and sign, set in a list and on the drawn structure.
+// What becomes of each channel of a case: role, place, direction and sign, set in a list and on the drawn structure. For a
+// monitor case: the role of each column of its table, beside a plot of the column.
 import { ask, attempt, background, button, element, number, say } from './dom.js';
 import { Drawing } from './drawing.js';
 import { folderOf, relative } from './modes_case.js';
-import { pointerOf, written } from './schema.js';
-import { arrowsOf, channelLists, directionsOf, geometryAsStructure, namedStructure, placeOf, resolved, reverse, rolesOf, rowsOf, setDirection, setPlace, setRole, supportOf, vectorOf, writable } from './sensors.js';
+import { at, pointerOf, written } from './schema.js';
+import { hasStructure, largePlot, missingOf, modeOf, noPlot, rangeOf, readViews, seriesColumns, seriesRoles, setDeviation, setMode, setSeriesRole, smallPlot } from './series.js';
+import { arrowsOf, channelLists, columnOf, directionsOf, fileOf, geometryAsStructure, namedStructure, placeOf, resolved, reverse, rolesOf, rowsOf, setDirection, setPlace, setRole, sourceOf, supportOf, vectorOf, writable } from './sensors.js';
 import { get, post } from './server.js';
 
 const pause = 250; // ms between the last key and a check
+const mostListed = 40; // ignored columns with a button below the list
 const roleWords = { '': 'not used', response: 'sensor', force: 'force', time: 'time', ignore: 'ignored', 'base-acceleration': 'base acceleration', 'base-displacement': 'base displacement' };
 const takesPlace = (row) => ['response', 'force', ''].includes(row.role);
 
 // The channels of a measured file for `rowsOf`.
 export const columnsOf = (table) => table?.channels ?? [];
 
-// The channels that a list of the case refers to: columns of its record, or sensors of its modes.json.
+// The channels that a list of the case refers to: columns of its record or table, or sensors of its modes.json.
 const knownOf = async (name, doc, list) => {
-  const block = list.path.reduce((node, key) => node?.[key], doc);
-  const file = resolved(folderOf(name), (list.kind === 'record' ? block?.file : block?.from) ?? '');
-  if (list.kind === 'record') return file ? columnsOf((await get('record', { name: file })).tables[0]) : [];
+  const block = at(doc, list.path), stated = fileOf(doc, list), file = resolved(folderOf(name), stated);
+  if (list.kind !== 'modes') {
+    if (!file) return [];
+    const [table] = (await get('record', sourceOf(file, block))).tables;
+    return list.kind === 'series' ? seriesColumns(table, columnOf) : columnsOf(table);
+  }
   if (!block?.from) return [];
   if (!file?.endsWith('/modes.json')) throw new Error(`${block.from}: the application reads names of sensors only from a modes.json inside its own folder.`);
   return (await get('result', { name: file.slice(0, -'/modes.json'.length), file: 'modes.json' })).sensors;
@@ -38,11 +44,11 @@ export class ChannelPanel {
     this.rest = element('div', { class: 'rest' });
     this.chooser = element('div', { class: 'chooser' });
     this.source = element('div');
-    const drawn = element('div', { class: 'drawing' });
+    const drawn = this.drawn = element('div', { class: 'drawing' });
     this.drawing = new Drawing(drawn, { picked: (place) => this.put(place), pointed: (arrow) => this.select(arrow.number - 1) });
     this.buttons = [...(draft ? [] : [button('Save', () => this.save(), { class: 'main' })]), button('Undo', () => this.step(this.undone, this.redone)), button('Redo', () => this.step(this.redone, this.undone))];
     this.lists = element('span');
-    this.node = element('section', { class: 'channels', 'aria-label': 'Channels on the structure' },
+    this.node = element('section', { class: doc.kind === 'monitor' ? 'channels wide' : 'channels', 'aria-label': doc.kind === 'monitor' ? 'Columns of the table' : 'Channels on the structure' },
       element('div', { class: 'buttons' }, this.buttons, this.lists), this.status,
       element('div', { class: 'panes' }, element('div', { class: 'pane' }, this.table, this.rest),
         element('div', { class: 'side' }, this.chooser, drawn, this.source)));
@@ -91,9 +97,17 @@ export class ChannelPanel {
     this.rows = rowsOf(this.doc, list, this.known);
     const open = this.nextWithout(-1);
     this.selected = Math.max(0, open >= 0 ? open : this.rows.findIndex((row) => ['response', 'force'].includes(row.role)));
+    if (list.kind === 'series') this.selected = Math.max(0, this.rows.findIndex((row) => row.role === 'feature'));
     this.show();
+    if (list.kind === 'series') this.readColumns(list);
     if (focused) this.lists.querySelector('select')?.focus();
     if (!this.draft) this.check();
+  }
+
+  // The ranges and plots of the columns of a series, which may take longer than the list.
+  readColumns(list) {
+    const { known } = this, file = resolved(folderOf(this.name), fileOf(this.doc, list));
+    if (file && known.length) background(() => readViews(sourceOf(file, at(this.doc, list.path)), known, () => { if (!this.closed && this.known === known) this.fillViews(); }));
   }
 
   async findStructure() {
@@ -220,6 +234,13 @@ export class ChannelPanel {
     this.lists.replaceChildren(all.length > 1 ? element('label', { class: 'inline' }, list.kind === 'record' ? 'Set-up ' : 'List ', element('select', { onchange: (event) => { this.listIndex = event.target.selectedIndex; this.rows = []; this.load(); } },
       all.map((one, i) => element('option', { selected: i === this.listIndex }, one.label)))) : '');
     const focus = this.table.contains(document.activeElement) ? document.activeElement.id : null;
+    if (list.kind === 'series') {
+      this.showSeries();
+      if (focus) document.getElementById(focus)?.focus({ preventScroll: true });
+      this.showRest();
+      this.mark();
+      return;
+    }
     const heads = ['', 'channel', 'role', { beam: 'position [m]', chain: 'mass', matrices: 'place', plane: 'node', space: 'node' }[this.support()], list.ofMasses ? 'quantity' : 'direction', list.kind === 'record' && !list.ofMasses && 'reference'].filter((head) => head !== false);
     if (list.kind === 'modes' && ['plane', 'space'].includes(this.support())) heads[3] = 'node or member';
     this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the channels' }, element('table', {}, element('caption', {}, 'Role, place and direction of each channel'),
@@ -243,6 +264,8 @@ export class ChannelPanel {
     redo.disabled = !this.redone.length;
     if (!this.draft) this.buttons[0].disabled = !this.unsaved();
     this.changed?.();
+    this.drawn.hidden = this.list().kind === 'series';
+    if (this.drawn.hidden) { this.showSeriesRest(); return; }
     const support = this.support(), pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', title: 'Select this channel' });
     const open = this.rows.map((row, k) => k).filter((k) => ['response', 'force'].includes(this.rows[k].role) && !placeOf(this.rows[k].channel, support));
     const unused = this.rows.map((row, k) => k).filter((k) => this.rows[k].role === '');
@@ -371,6 +394,79 @@ export class ChannelPanel {
     this.edit(() => { this.doc.geometry = geometry; });
   }
 
+  // ------------------------------------------------------- columns of a series
+
+  showSeries() {
+    const list = this.list(), numeric = this.rows.filter((row) => row.column?.isNumeric && ['ignore', 'sd'].includes(row.role));
+    this.deviations = list.key === 'file' && (numeric.length > 0 || Array.isArray(this.doc.series?.sd)) ? numeric : null;
+    this.modes = list.key === 'file' && hasStructure(this.doc);
+    const heads = ['', 'column', 'role', 'missing', 'values', this.deviations && 'standard deviation', this.modes && 'mode'].filter((head) => head === '' || head);
+    this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the columns' }, element('table', { class: 'series' }, element('caption', {}, 'Role of each column of the table'),
+      element('thead', {}, element('tr', {}, heads.map((head) => (head ? element('th', { scope: 'col' }, head) : element('td', {}))))),
+      element('tbody', {}, this.rows.map((row, k) => this.seriesLine(row, k))))));
+    this.fillViews();
+  }
+
+  seriesLine(row, k) {
+    const list = this.list(), id = (what) => `c:${k}:${what}`, { column } = row;
+    const cell = (pointer, ...nodes) => element('td', { 'data-pointer': pointer || null }, ...nodes, element('p', { class: 'fault', hidden: true }));
+    const choose = (role) => this.edit(() => setSeriesRole(this.doc, row, role, this.known));
+    const radio = (role) => element('label', {}, element('input', { type: 'radio', name: id('role'), id: id(role), value: role, checked: row.role === role,
+      disabled: ['feature', 'covariate'].includes(role) && column?.isNumeric === false && !column.isAbscissa, onchange: () => choose(role) }), ` ${seriesRoles[role]}`);
+    const words = { file: 'names of the files', sd: `standard deviation of ${this.doc.series?.features?.[row.index] ?? 'a feature'}` }[row.role];
+    const roles = Object.keys(seriesRoles).filter((role) => role !== 'feature' || list.key === 'file');
+    const group = element('span', { class: 'roles', role: 'radiogroup', 'aria-label': `Role of ${row.name}` }, row.role === 'file' ? null : roles.map(radio));
+    const line = element('tr', { class: row.role === 'ignore' ? 'unused' : '' },
+      element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `${k + 1}: select ${row.name}`, 'aria-pressed': 'false' })),
+      element('th', { scope: 'row' }, row.name, row.unit && !row.name.endsWith(`[${row.unit}]`) ? ` [${row.unit}]` : ''), cell(row.role === 'sd' ? null : row.pointer, row.role === 'file' ? null : group, words ? element('span', { class: 'quiet' }, words) : null),
+      element('td', { class: 'missing' }), element('td', {}, element('span', { class: 'range' }), element('span', { class: 'plotted' })),
+      this.deviations ? row.role === 'feature' ? cell(`/series/sd/${row.index}`, this.deviationChoice(row, id('sd'))) : element('td', {}) : null,
+      this.modes ? row.role === 'feature' ? cell(`/explanation/modes/${row.index}`, element('input', { id: id('mode'), class: 'short', inputmode: 'numeric', value: String(modeOf(this.doc, row)), 'aria-label': `mode number of ${row.name}`,
+        oninput: (event) => this.edit(() => setMode(this.doc, row, event.target.value), id('mode')), onchange: () => { this.typed = null; } })) : element('td', {}) : null);
+    line.addEventListener('focusin', () => this.select(k));
+    line.addEventListener('click', () => this.select(k));
+    this.markSelected(line, k);
+    return line;
+  }
+
+  deviationChoice(row, id) {
+    const now = this.doc.series?.sd?.[row.index] ?? '', own = this.rows.find((one) => one.role === 'sd' && one.index === row.index);
+    const options = [{ text: '', label: '–' }, ...this.deviations.filter((one) => one.role === 'ignore' || one === own).map((one) => ({ text: one.text ?? one.column.text, label: one.name }))];
+    if (now !== '' && !options.some((one) => one.text === now)) options.push({ text: now, label: String(now) });
+    const select = element('select', { id, 'aria-label': `standard deviation of ${row.name}`, onchange: () => this.edit(() => setDeviation(this.doc, row, options[select.selectedIndex].text)) },
+      options.map((one) => element('option', { selected: one.text === now }, one.label)));
+    return select;
+  }
+
+  // Missing values, ranges and plots as far as they are known.
+  fillViews() {
+    this.table.querySelectorAll('tbody tr').forEach((line, k) => {
+      const { column } = this.rows[k] ?? {};
+      line.querySelector('.missing').textContent = missingOf(column);
+      line.querySelector('.range').textContent = rangeOf(column);
+      const place = line.querySelector('.plotted'), drawn = place.firstChild ? null : smallPlot(column);
+      if (drawn) place.append(drawn);
+    });
+    this.showSeriesPlot();
+  }
+
+  showSeriesPlot() {
+    const row = this.rows[this.selected];
+    this.chooser.replaceChildren(...(row ? [element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}`), `: ${rangeOf(row.column)}${row.column?.isNumeric && row.unit && row.column.missing < 1 ? ` ${row.unit}` : ''}`),
+      largePlot(this.doc, this.list(), this.known, row.column) ?? noPlot(row.column)] : []));
+  }
+
+  showSeriesRest() {
+    const of = (role) => this.rows.filter((row) => row.role === role), [features, covariates, times] = ['feature', 'covariate', 'time'].map(of);
+    const count = (rows, word) => `${rows.length} ${word}${rows.length === 1 ? '' : 's'}`;
+    const pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', title: 'Select this column' });
+    const unused = this.rows.map((row, k) => k).filter((k) => this.rows[k].role === 'ignore');
+    this.rest.replaceChildren(element('p', { class: times.length ? 'quiet' : 'open' }, `${this.list().key === 'file' ? `${count(features, 'feature')}, ` : ''}${count(covariates, 'covariate')}; ${times.length ? `times in ${times[0].name}` : 'no column of times: give one column the role time'}.`),
+      unused.length ? element('p', { class: 'quiet' }, `Ignored columns (${unused.length}): `, unused.slice(0, mostListed).map(pick), unused.length > mostListed ? ' …' : '') : '');
+    this.source.replaceChildren();
+    this.showSeriesPlot();
+  }
+
   // ------------------------------------------------------------------- checks
 
   schedule() {
@@ -410,7 +506,7 @@ export class ChannelPanel {
     message.id = 'channel-fault';
     message.hidden = false;
     message.textContent = this.fault.reason;
-    const control = place.querySelector('input, select');
+    const control = place.querySelector('[role=radiogroup], input, select');
     control?.setAttribute('aria-invalid', 'true');
     control?.setAttribute('aria-describedby', 'channel-fault');
   }
@@ -434,12 +530,13 @@ export const channelsView = async (place, name) => {
   try { doc = JSON.parse(opened.text); } catch { /* the editor names line and column */ }
   const edit = element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case');
   if (!channelLists(doc).length) {
-    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, 'This case has no channels. A modal case or a system identification takes its channels from its record. A damage or update case takes them from its sensors or from the modes of a modal run.'), element('p', {}, edit));
+    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, doc ? 'This case has no channels. A modal case or a system identification takes its channels from its record. A damage or update case takes them from its sensors or from the modes of a modal run. A monitor case takes them from its table (file or times of series).'
+      : 'This file is not valid JSON, so its channels are unknown. Edit the case to correct it.'), element('p', {}, edit));
     return undefined;
   }
   const panel = new ChannelPanel({ name, doc, version: opened.version, changed: () => { document.title = `${panel.unsaved() ? '• ' : ''}${name} · Wheeltap`; } });
-  const records = [...new Set(channelLists(doc).filter((list) => list.kind === 'record').map((list) => resolved(folderOf(name), list.path.reduce((node, key) => node?.[key], doc)?.file ?? '')).filter(Boolean))];
-  place.replaceChildren(element('h1', {}, `Channels of ${name}`),
+  const records = [...new Set(channelLists(doc).filter((list) => list.kind !== 'modes').map((list) => resolved(folderOf(name), fileOf(doc, list))).filter(Boolean))];
+  place.replaceChildren(element('h1', {}, `${doc.kind === 'monitor' ? 'Columns of the table' : 'Channels'} of ${name}`),
     element('p', { class: 'actions' }, edit, records.slice(0, 20).map((file) => element('a', { href: `#/record/${encodeURIComponent(file)}` }, `Record ${file}`))), panel.node);
   await panel.load();
   const close = () => panel.close();

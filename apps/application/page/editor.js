@@ -63,12 +63,16 @@ export const editorView = async (place, name) => {
     run: button('Run', () => run({})), quick: button('Quick run', () => run({ quick: true })), resume: button('Continue', () => run({ resume: true })),
   };
   const seed = element('input', { class: 'number seed', inputmode: 'numeric', value: '1', 'aria-label': 'Seed' });
+  const seeding = element('label', { class: 'inline' }, 'Seed ', seed);
   const refresh = () => {
+    buttons.quick.hidden = seeding.hidden = !projects.sampled.includes(doc?.kind);
     buttons.save.disabled = text === saved;
     buttons.undo.disabled = !undone.length;
     buttons.redo.disabled = !redone.length;
     document.title = `${text === saved ? '' : '• '}${name} · Wheeltap`;
-    document.getElementById('channels')?.toggleAttribute('hidden', !channelLists(doc).length);
+    const channels = document.getElementById('channels');
+    channels?.toggleAttribute('hidden', !channelLists(doc).length);
+    if (channels) channels.textContent = doc?.kind === 'monitor' ? 'Columns of the table' : 'Channels on the structure';
   };
 
   const showDoc = async (skip) => {
@@ -120,7 +124,7 @@ export const editorView = async (place, name) => {
     if (parsed && typeof parsed === 'object' && !Array.isArray(parsed)) {
       doc = parsed;
       await showDoc();
-    }
+    } else if (!doc) formPlace.replaceChildren(element('p', { class: 'empty' }, 'The form appears when the JSON text is valid.'));
     schedule();
     refresh();
   };
@@ -174,6 +178,7 @@ export const editorView = async (place, name) => {
   });
 
   const run = (options) => attempt(async () => {
+    if (!doc) throw new Error('The case is not valid JSON: correct it in the JSON text.');
     if (text !== saved && !(await save())) return;
     const number = Number(seed.value);
     if (projects.sampled.includes(doc.kind) && seed.value.trim() !== '') {
@@ -183,13 +188,12 @@ export const editorView = async (place, name) => {
     await start(name, options);
   });
 
-  const samples = projects.sampled.includes(JSON.parse(saved || '{}').kind);
   const units = element('input', { type: 'checkbox', onchange: () => { form.displayUnits = units.checked; if (rules) form.show(rules, doc); } });
   const help = element('input', { type: 'checkbox', checked: true, onchange: () => formPlace.classList.toggle('brief', !help.checked) });
   place.replaceChildren(
     element('div', { class: 'toolbar' }, element('h1', {}, name),
       element('div', { class: 'buttons' }, buttons.save, buttons.undo, buttons.redo, buttons.run,
-        samples && [buttons.quick, buttons.resume, element('label', { class: 'inline' }, 'Seed ', seed)],
+        buttons.quick, buttons.resume, seeding,
         button('Copy …', () => copyCase(name)), element('a', { href: `#/result/${encodeURIComponent(opened.result)}`, id: 'results', hidden: true }, 'Results'),
         element('a', { href: `#/channels/${encodeURIComponent(name)}`, id: 'channels', hidden: true }, 'Channels on the structure'),
         element('a', { href: `#/poles/${encodeURIComponent(name)}`, id: 'choose', hidden: true }, 'Choose poles')),
@@ -212,7 +216,7 @@ export const editorView = async (place, name) => {
     const now = (await get('projects')).cases.find((one) => one.name === name);
     document.getElementById('results')?.toggleAttribute('hidden', !now?.result);
     document.getElementById('choose')?.toggleAttribute('hidden', !(now?.result && now.kind === 'modal'));
-    buttons.resume.hidden = now?.state !== 'interrupted';
+    buttons.resume.hidden = now?.state !== 'interrupted' || !projects.sampled.includes(now.kind);
   };
   await attempt(showState);
   const stop = follow((ignored, ended) => { if (ended.some((one) => one.case === name)) attempt(showState); });

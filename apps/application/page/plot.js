@@ -19,7 +19,8 @@ export const plot = ({ width, height, xs, ys, xLabel, yLabel, left = 52, bottom 
   const grid = [];
   for (const t of ticks(...xs, 8)) {
     grid.push(`M${x(t)} ${height - bottom}v5`);
-    picture.append(svg('text', { x: x(t), y: height - bottom + 18, 'text-anchor': 'middle' }, String(t)));
+    const wide = 7 * String(t).length; // of the label, about
+    picture.append(svg('text', { x: Math.min(x(t), width - wide / 2), y: height - bottom + 18, 'text-anchor': 'middle' }, String(t)));
   }
   for (const t of ticks(...ys, 6)) {
     grid.push(`M${left} ${y(t)}h-5`);

@@ -1,18 +1,24 @@
 // Channels of a case: the place, direction and sign of each, in the keys of the case.
 import { at, pointerOf } from './schema.js';
 import { folderOf } from './modes_case.js';
+import { seriesRows } from './series.js';
 import { get } from './server.js';
 
 const radian = Math.PI / 180;
 
 // The lists of channels of a case. `record`: channels of a measured file, in a modal case, or in a case of system
-// identification (`ofMasses`). `modes`: sensors of mode shapes, in a damage or update case.
+// identification (`ofMasses`). `modes`: sensors of mode shapes, in a damage or update case. `series`: columns of the table
+// of a monitor case, which the key `key` names.
 export const channelLists = (doc) => {
   if (doc?.kind === 'modal') {
     if (Array.isArray(doc.records)) return doc.records.map((record, i) => ({ kind: 'record', path: ['records', i], label: `Set-up ${i + 1}: ${record?.file ?? ''}` }));
     return doc.record ? [{ kind: 'record', path: ['record'], label: String(doc.record.file ?? '') }] : [];
   }
   if (doc?.kind === 'sid') return doc.record?.file === undefined ? [] : [{ kind: 'record', ofMasses: true, path: ['record'], label: String(doc.record.file) }];
+  if (doc?.kind === 'monitor') {
+    const key = ['file', 'times'].find((one) => typeof doc.series?.[one] === 'string');
+    return key ? [{ kind: 'series', key, path: ['series'], label: doc.series[key] }] : [];
+  }
   if (!['damage', 'update'].includes(doc?.kind)) return [];
   const found = [];
   const add = (path, label) => {
@@ -23,6 +29,20 @@ export const channelLists = (doc) => {
   (Array.isArray(doc.data?.states) ? doc.data.states : []).forEach((state, i) => add(['data', 'states', i], `State ${state?.name ?? i + 1}`));
   add(['baseline', 'data'], 'Baseline');
   return found;
+};
+
+// The file that a list of a case names.
+export const fileOf = (doc, list) => {
+  const block = at(doc, list.path);
+  return (list.kind === 'modes' ? block?.from : block?.[list.key ?? 'file']) ?? '';
+};
+
+// A file as a case reads it, for a request to the server: the keys of the case that state the layout of the table.
+const layoutKeys = ['decimal', 'separator', 'skip', 'header', 'units_row', 'sheet', 'time_format', 'rows_are_channels', 'resample'];
+export const sourceOf = (name, block) => {
+  const stated = Object.fromEntries(layoutKeys.filter((key) => block?.[key] !== undefined).map((key) => [key, block[key]]));
+  if (stated.resample && block.sample_rate !== undefined) stated.sample_rate = block.sample_rate;
+  return Object.keys(stated).length ? { name, layout: JSON.stringify(stated) } : { name };
 };
 
 // What a place of a case is: a node of a plane or of space, a position on a beam, a mass of a chain, a row of matrices.
@@ -107,6 +127,7 @@ export const columnOf = (column, all) => {
 // The rows of a list: its channels, then the columns of the file that it does not name. `known` are the columns of the
 // file, or the sensors of the modes.json that the list refers to.
 export const rowsOf = (doc, list, known) => {
+  if (list.kind === 'series') return seriesRows(doc, list, known);
   const block = at(doc, list.path) ?? {};
   if (list.kind === 'record') {
     const channels = Array.isArray(block.channels) ? block.channels : [], used = new Set();
