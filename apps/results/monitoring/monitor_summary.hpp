@@ -26,13 +26,14 @@ namespace wheeltap::apps {
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
                    bool colour);
 
-/// Sentence on the last alarm: its time, onset and probability.
+/// Sentence on the last alarm: its time, onset and probability; without an alarm, on P(changed).
 [[nodiscard]] std::string monitor_headline(const Report& monitor);
-/// Sentence with the false-alarm rate that the model states and the rate in replayed healthy rows.
-/// For a series without times, it states the number of rows between two false alarms.
+/// Sentences with the stated rate of false alarms, the threshold that gives this rate, and the rate
+/// in replayed healthy rows. For a series without times, the rates refer to rows.
 [[nodiscard]] std::string false_alarms_in_words(const Report& monitor);
 
-/// "f2 [Hz] by -1.9 % ± 0.2 %": shifts of the features, the most significant shift first.
+/// "f2 [Hz] by -1.90 % (sd 0.20 %)": shifts whose 95 % interval excludes zero, the most significant
+/// shift first.
 [[nodiscard]] std::string shifts_in_words(const Report& alarm);
 
 }  // namespace wheeltap::apps
