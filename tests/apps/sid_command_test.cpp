@@ -204,7 +204,7 @@ TEST(SidCommand, ChoosesTheOrderOfResiduals) {
   const json s = json::parse(read_all(out / "summary.json"));
   EXPECT_EQ(s["residuals"]["ar"]["duffing"], 0);  // the truth: white
   EXPECT_GT(s["residuals"]["ar"]["linear"], 0);   // its misfit is smooth
-  EXPECT_THAT(run.out, HasSubstr("Residuals: white, by BIC"));
+  EXPECT_THAT(run.out, HasSubstr("Residuals: white, chosen by BIC"));
   EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("chosen by BIC"));
 }
 
