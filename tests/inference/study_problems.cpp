@@ -17,7 +17,7 @@ namespace {
 using Point = std::span<const double>;
 using LogDensity = std::function<double(Point)>;
 
-double log_normal(double x, double mean, double sd) {
+double normal_log_density(double x, double mean, double sd) {
   const double r = (x - mean) / sd;
   return -0.5 * r * r - std::log(sd) - kLogSqrt2Pi;
 }
@@ -71,7 +71,7 @@ HardProblem gaussian(int d) {
       "Gaussian",
       [](Point x) {
         double sum = 0.0;
-        for (const double v : x) sum += log_normal(v, 0.2, 0.1);
+        for (const double v : x) sum += normal_log_density(v, 0.2, 0.1);
         return sum;
       },
       all(d, Normal{0.0, 1.0}));
@@ -83,9 +83,9 @@ HardProblem autoregressive(int d) {
       "AR(1)",
       [](Point x) {
         constexpr double kRho = 0.9;
-        double sum = log_normal(x[0], 0.0, 1.0);
+        double sum = normal_log_density(x[0], 0.0, 1.0);
         for (std::size_t i = 1; i < x.size(); ++i)
-          sum += log_normal(x[i], kRho * x[i - 1], std::sqrt(1.0 - kRho * kRho));
+          sum += normal_log_density(x[i], kRho * x[i - 1], std::sqrt(1.0 - kRho * kRho));
         return sum;
       },
       all(d, Normal{0.0, 3.0}));
@@ -98,9 +98,9 @@ HardProblem funnel(int d) {
   return against_nothing(
       "funnel, normal priors",
       [](Point x) {
-        double sum = log_normal(x[0], 0.0, 1.5);
+        double sum = normal_log_density(x[0], 0.0, 1.5);
         for (std::size_t i = 1; i < x.size(); ++i)
-          sum += log_normal(x[i], 0.0, std::exp(0.5 * x[0]));
+          sum += normal_log_density(x[i], 0.0, std::exp(0.5 * x[0]));
         return sum;
       },
       priors);
@@ -131,7 +131,8 @@ HardProblem two_in_each(int d) {
       [](Point x) {
         double sum = 0.0;
         for (const double v : x)
-          sum += log_sum_exp(log_normal(v, -0.5, 0.05), log_normal(v, 0.5, 0.05)) - std::log(2.0);
+          sum += log_sum_exp(normal_log_density(v, -0.5, 0.05), normal_log_density(v, 0.5, 0.05)) -
+                 std::log(2.0);
         return sum;
       },
       all(d, Uniform{-1.0, 1.0}));
@@ -152,7 +153,7 @@ HardProblem labels() {
         for (const std::vector<int>& to : orders) {
           double one = -std::log(static_cast<double>(orders.size()));
           for (std::size_t i = 0; i < x.size(); ++i)
-            one += log_normal(x[i], 0.1 + 0.2 * to[i], 0.02);
+            one += normal_log_density(x[i], 0.1 + 0.2 * to[i], 0.02);
           sum = log_sum_exp(sum, one);
         }
         return sum;
