@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/eigen.hpp"
 #include "base/index.hpp"
 #include "fem/beam/assembly.hpp"
 
@@ -175,8 +176,7 @@ void DefectColumns::add_damages(const IntactModes& intact, const SecularKernel& 
     const double* row = factor_.data() + a * most_;
     for (std::size_t b = 0; b < a; ++b)
       if (row[b] != 0.0) kernel.subtract(c, columns_.data() + b * n, row[b], size);
-    const double inverse = 1.0 / row[a];
-    for (std::size_t j = 0; j < n; ++j) c[j] *= inverse;
+    Eigen::Map<Eigen::ArrayXd>(c, size) *= 1.0 / row[a];
   }
 }
 
