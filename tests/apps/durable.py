@@ -585,6 +585,46 @@ def check_kills_of_batches(bench, kills=6 if LONG else 4):
     print(f'{killed} kills')
 
 
+def check_kills_of_monitoring(bench, kills=12):
+    """A call with new rows that is killed, and then repeated, gives the bits of a call that was not."""
+    randomly = random.Random(os.environ.get('SEED', '1'))
+    folder = bench.folder / 'bridge'
+    bench.run('init', 'monitor', '-o', folder)
+    rows = (folder / 'monitor.csv').read_text().splitlines(keepends=True)
+    case = json.loads((folder / 'monitor.json').read_text()) | {'learning': {'until': 300, 'hinges': 1}}
+    (folder / 'monitor.json').write_text(json.dumps(case))
+    command = ['monitor', folder / 'monitor.json', '-o', folder / 'out', '--quiet', '--resume']
+
+    def results():
+        found = files(folder / 'out')
+        expect(sorted(found) == ['report.html', 'series.csv', 'state.nc', 'summary.json'], sorted(found))
+        return found['series.csv'], found['state.nc'], json.loads(found['summary.json'])['monitor']
+
+    def call(seconds=None):
+        began = os.times().elapsed
+        process = bench.start(*command, stdout=subprocess.DEVNULL)
+        try:
+            process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            process.kill()
+        process.communicate()
+        return os.times().elapsed - began
+
+    (folder / 'monitor.csv').write_text(''.join(rows[:201]))
+    call()
+    shutil.copytree(folder / 'out', folder / 'before')
+    (folder / 'monitor.csv').write_text(''.join(rows[:1201]))
+    seconds = call()
+    whole = results()
+    for _ in range(kills):
+        shutil.rmtree(folder / 'out')
+        shutil.copytree(folder / 'before', folder / 'out')
+        call(randomly.uniform(0, 1.2 * seconds))
+        call()
+        expect(results() == whole, 'a repeated call gives other bits')
+    print(f'{kills} kills in calls of {seconds:.2g} s')
+
+
 def check_kills(bench, kills=8):
     """After SIGKILL at random instants, --resume writes the files of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
