@@ -296,7 +296,7 @@ Checkpoint CheckpointFile::saved_draws(long number) const {
     return io::read_bytes(path);
   });
   if (!is_sealed_checkpoint(*bytes) || seal_of(*bytes) != seal->second)
-    throw damaged("is truncated or damaged, or of another checkpoint");
+    throw damaged("is truncated or damaged, or is a part of another checkpoint");
   bytes->resize(bytes->size() - kSeal);
   return read_state(io::NetcdfReader(std::move(*bytes), path, kWhat));
 }

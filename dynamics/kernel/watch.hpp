@@ -58,8 +58,8 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// Records which trajectories have failed. The class uses only comparisons that are false for NaN,
-/// because the compiler may fold arithmetic like 0 · x.
+/// Records which trajectories have failed. The class finds NaN by comparisons, which are false
+/// for NaN, because the compiler may simplify arithmetic such as 0 · x.
 class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}

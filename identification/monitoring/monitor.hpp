@@ -58,8 +58,8 @@ class Monitor {
   /// A copy with the trained state, for another stated rate of false alarms, without new training.
   [[nodiscard]] Monitor with_rate(double false_alarms_per_year, bool is_calibrated) const;
 
-  /// One-step predictions of the training rows by the filter of the first draw; they have no alarm
-  /// statistic. Empty for a monitor restored from bytes.
+  /// One-step predictions of the training rows, without alarm statistic, by the filter that belongs
+  /// to the first parameter draw. Empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
   [[nodiscard]] const ChangePoint& change() const { return change_; }

@@ -23,7 +23,7 @@ AnyStructure with_mass_at_node(const AnyStructure& structure, int node, double m
       throw std::invalid_argument("the chain has no mass " + std::to_string(node + 1));
     chain->masses[index(node)] += mass;
   } else {
-    throw std::invalid_argument("a structure of matrices has no nodes for added masses");
+    throw std::invalid_argument("a structure given by matrices has no nodes for added masses");
   }
   return out;
 }

@@ -85,7 +85,8 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
   Index columns = 0;
   for (const NormalPlace& place : places_) {
     if (place.nodes.rows() != rows || place.nodes.cols() < 1)
-      throw std::invalid_argument("every place must have a node and the same number of data");
+      throw std::invalid_argument(
+          "every location must have a node, and all locations must have the same number of data");
     first_.push_back(columns);
     columns += place.nodes.cols();
   }

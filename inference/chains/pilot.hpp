@@ -1,4 +1,4 @@
-// Warm-up, from the priors to proposal distributions that are fitted to samples of the posterior.
+// Warm-up: it begins with draws of the priors, and fits proposals to samples of the posterior.
 #pragma once
 
 #include <functional>

@@ -97,7 +97,7 @@ struct UniversalElement {
   std::array<int, 3> beam = {};  ///< orientation node, sections at the ends
   std::vector<int> nodes = {};
 
-  /// True if the element is a rod or beam, for which files store the numbers `beam`.
+  /// True if the element is a rod or beam; files then store the numbers `beam`.
   [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
 };
 

@@ -18,8 +18,8 @@ namespace wheeltap::fem {
 ///   K(θ) = s(θ) (K₀ + Σ_c (q_c(θ) / s(θ) - 1) b_c b_cᵀ),
 ///   M(θ) = m(θ) (M₀ + Σ_i μ_i(θ) / m(θ) r_i r_iᵀ).
 ///
-/// A reanalysis of the base structure (K₀, M₀) therefore also solves the structure at any θ. A
-/// `StructureChange` represents the sums. Eigenvalues are multiplied by s/m, and mass-normalised
+/// A reanalysis of the base structure (K₀, M₀) therefore gives the modes at any θ. The sums are a
+/// `StructureChange`. Eigenvalues are multiplied by s/m, and mass-normalised
 /// shapes by 1/√m. For example, Young's modulus and density of all members are scale factors. A
 /// spring adds one strain, and a point mass adds one motion per direction. s and m, all q_c and all
 /// μ_i are affine in θ, and the decomposition is exact within 1e-9.
