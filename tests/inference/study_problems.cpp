@@ -34,8 +34,8 @@ class DensityLikelihood : public Likelihood {
 
 // The density under independent priors, against nothing, with probability ½ each. All mass must lie
 // where the priors are positive.
-HardProblem against_nothing(const std::string& family, const LogDensity& log_density,
-                            const std::vector<Prior>& priors) {
+HardProblem versus_nothing(const std::string& family, const LogDensity& log_density,
+                           const std::vector<Prior>& priors) {
   std::vector<Parameter> parameters;
   std::vector<std::string> names;
   for (const Prior& prior : priors) {
@@ -67,7 +67,7 @@ std::vector<Prior> all(int d, const Prior& prior) {
 
 // N(0.2, 0.1² I) under N(0, I).
 HardProblem gaussian(int d) {
-  return against_nothing(
+  return versus_nothing(
       "Gaussian",
       [](Point x) {
         double sum = 0.0;
@@ -79,7 +79,7 @@ HardProblem gaussian(int d) {
 
 // x_1 ~ N(0, 1), x_i ~ N(0.9 x_{i-1}, 1 - 0.9²) under N(0, 3²).
 HardProblem autoregressive(int d) {
-  return against_nothing(
+  return versus_nothing(
       "AR(1)",
       [](Point x) {
         constexpr double kRho = 0.9;
@@ -92,10 +92,10 @@ HardProblem autoregressive(int d) {
 }
 
 // Neal's funnel, v ~ N(0, 1.5²), x_i ~ N(0, e^v), under v ~ N(0, 3²), x_i ~ N(0, 10²).
-HardProblem funnel(int d) {
+HardProblem normal_funnel(int d) {
   std::vector<Prior> priors = all(d, Normal{0.0, 10.0});
   priors[0] = Normal{0.0, 3.0};
-  return against_nothing(
+  return versus_nothing(
       "funnel, normal priors",
       [](Point x) {
         double sum = normal_log_density(x[0], 0.0, 1.5);
@@ -114,7 +114,7 @@ HardProblem student(int d) {
   const double inside = 2.0 / std::acos(-1.0) * (std::atan(u) + u / (1.0 + u * u));
   const double log_norm = std::lgamma(2.0) - std::lgamma(1.5) -
                           0.5 * std::log(kNu * std::acos(-1.0)) - std::log(inside);
-  return against_nothing(
+  return versus_nothing(
       "Student t",
       [=](Point x) {
         double sum = 0.0;
@@ -126,7 +126,7 @@ HardProblem student(int d) {
 
 // ½ N(-½, 0.05²) + ½ N(½, 0.05²) in each coordinate, in |x| < 1: 2^d modes.
 HardProblem two_in_each(int d) {
-  return against_nothing(
+  return versus_nothing(
       "2^n modes",
       [](Point x) {
         double sum = 0.0;
@@ -146,7 +146,7 @@ HardProblem labels() {
   do {
     orders.push_back(order);
   } while (std::ranges::next_permutation(order).found);
-  return against_nothing(
+  return versus_nothing(
       "5! labels",
       [=](Point x) {
         double sum = -kInfinity;
@@ -170,7 +170,7 @@ const std::vector<HardProblem>& study_problems() {
       out.push_back(gaussian(d));
       out.push_back(autoregressive(d));
     }
-    for (const int d : {10, 20, 30}) out.push_back(funnel(d));
+    for (const int d : {10, 20, 30}) out.push_back(normal_funnel(d));
     for (const int d : {10, 20}) out.push_back(student(d));
     for (const int d : {6, 8}) out.push_back(two_in_each(d));
     out.push_back(labels());
