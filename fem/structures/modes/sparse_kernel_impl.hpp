@@ -123,25 +123,36 @@ void eliminate_group(const SparsePattern& pattern, const ColumnGroup& group, dou
   }
 }
 
+template <std::size_t G>
+struct Columns {
+  static constexpr std::size_t value = G;
+};
+
+/// Calls body(group, Columns<G>) for a group of G columns.
+template <class Body>
+inline void with_columns(const ColumnGroup& group, Body&& body) {
+  switch (group.columns) {
+    case 1:
+      body(group, Columns<1>());
+      break;
+    case 2:
+      body(group, Columns<2>());
+      break;
+    case 3:
+      body(group, Columns<3>());
+      break;
+    default:
+      body(group, Columns<kMostColumns>());
+      break;
+  }
+}
+
 template <std::size_t W>
 void factorise(const SparsePattern& pattern, double* diagonal, double* lower) {
-  for (std::size_t i = 0; i < pattern.groups; ++i) {
-    const ColumnGroup& group = pattern.group[i];
-    switch (group.columns) {
-      case 1:
-        eliminate_group<W, 1>(pattern, group, diagonal, lower);
-        break;
-      case 2:
-        eliminate_group<W, 2>(pattern, group, diagonal, lower);
-        break;
-      case 3:
-        eliminate_group<W, 3>(pattern, group, diagonal, lower);
-        break;
-      default:
-        eliminate_group<W, 4>(pattern, group, diagonal, lower);
-        break;
-    }
-  }
+  for (std::size_t i = 0; i < pattern.groups; ++i)
+    with_columns(pattern.group[i], [&](const ColumnGroup& group, auto columns) {
+      eliminate_group<W, decltype(columns)::value>(pattern, group, diagonal, lower);
+    });
 }
 
 /// The steps of L z = b and Lᵀ x = z in the columns of a group, for one right-hand side. At every
@@ -197,41 +208,15 @@ void backward(const SparsePattern& pattern, const ColumnGroup& group, const doub
 }
 
 void solve(const SparsePattern& pattern, const double* diagonal, const double* lower, double* x) {
-  for (std::size_t i = 0; i < pattern.groups; ++i) {
-    const ColumnGroup& group = pattern.group[i];
-    switch (group.columns) {
-      case 1:
-        forward<1>(pattern, group, lower, x);
-        break;
-      case 2:
-        forward<2>(pattern, group, lower, x);
-        break;
-      case 3:
-        forward<3>(pattern, group, lower, x);
-        break;
-      default:
-        forward<4>(pattern, group, lower, x);
-        break;
-    }
-  }
+  for (std::size_t i = 0; i < pattern.groups; ++i)
+    with_columns(pattern.group[i], [&](const ColumnGroup& group, auto columns) {
+      forward<decltype(columns)::value>(pattern, group, lower, x);
+    });
   for (std::size_t i = 0; i < pattern.size; ++i) x[i] /= diagonal[i];
-  for (std::size_t i = pattern.groups; i-- > 0;) {
-    const ColumnGroup& group = pattern.group[i];
-    switch (group.columns) {
-      case 1:
-        backward<1>(pattern, group, lower, x);
-        break;
-      case 2:
-        backward<2>(pattern, group, lower, x);
-        break;
-      case 3:
-        backward<3>(pattern, group, lower, x);
-        break;
-      default:
-        backward<4>(pattern, group, lower, x);
-        break;
-    }
-  }
+  for (std::size_t i = pattern.groups; i-- > 0;)
+    with_columns(pattern.group[i], [&](const ColumnGroup& group, auto columns) {
+      backward<decltype(columns)::value>(pattern, group, lower, x);
+    });
 }
 
 /// Calls body(entry, row) for the entries of column j of a group.
