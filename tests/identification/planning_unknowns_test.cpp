@@ -12,46 +12,16 @@
 #include "identification/planning/engine_check.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/defects/reduction.hpp"
+#include "tests/identification/plan_cases.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
 
 using Eigen::VectorXd;
 
-/// A simply supported beam with nine candidate sensors and at most one damage.
-PlanCase plan_of_unknown_beam() {
-  PlanCase plan;
-  plan.damage_case.beam = {
-      .length = 1.0,
-      .elements = 20,
-      .supports = fem::named_supports("simply-supported", 1.0),
-      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
-      .section = {.area = 1.5e-4, .second_moment = 4.5e-10, .shear_coefficient = 0.85}};
-  DefectKind kind{.type = &defects::kReduction,
-                  .name = "damage",
-                  .plural = "damages",
-                  .max_count = 1,
-                  .location = inference::Uniform{0.0, 1.0},
-                  .severity = inference::Prior(inference::Uniform{0.0, 0.6})};
-  kind.line = SiteLine::of_beam(plan.damage_case.beam);
-  plan.damage_case.kinds = {std::move(kind)};
-  plan.damage_case.data.frequencies_hz = {1.0};
-  plan.damage_case.data.sd_hz = {1.0};
-  complete(plan.damage_case);
-  const fem::Structure structure = fem::as_structure(plan.damage_case.beam);
-  const fem::Mesh mesh(structure);
-  for (int i = 1; i < 10; ++i)
-    plan.structure.candidates.push_back(
-        {std::to_string(i), mesh.motion(0, 0.1 * i, fem::Direction::y)});
-  plan.structure.modes = 5;
-  plan.noise = {.seconds = 600.0, .damping = 0.005, .shape_sd = 0.01, .reference_seconds = 600.0};
-  plan.choose = 3;
-  return plan;
-}
-
-/// The same beam with an unknown Young's modulus.
+/// The beam of plan_cases.hpp with an unknown Young's modulus.
 PlanCase with_unknown_modulus(double sd) {
-  PlanCase plan = plan_of_unknown_beam();
+  PlanCase plan = beam_plan(1);
   StructureModel model{.nominal = fem::as_structure(plan.damage_case.beam)};
   model.parameters = {{"E", inference::Prior(inference::LogNormal{std::log(70e9), sd})}};
   model.setters = {[](AnyStructure& structure, double young) {
@@ -145,7 +115,7 @@ TEST(PlannedUnknowns, AnUnknownModulusReducesTheInformationOfFrequencies) {
                       {.scenarios = 2000, .tolerance = 0.05})[0];
     return scores.information.value;
   };
-  EXPECT_LT(information(with_unknown_modulus(0.03)), information(plan_of_unknown_beam()) - 0.2);
+  EXPECT_LT(information(with_unknown_modulus(0.03)), information(beam_plan(1)) - 0.2);
 }
 
 TEST(PlannedUnknowns, RefusesAddedMasses) {
@@ -164,7 +134,7 @@ TEST(PlannedNoise, ListsHoldOneValuePerMode) {
   EXPECT_EQ(noise.shape_sd_now(0), 0.0003);
   EXPECT_EQ(noise.shape_sd_now(3), 0.005);
   // The data of each mode have its noise.
-  PlanCase plan = plan_of_unknown_beam();
+  PlanCase plan = beam_plan(1);
   const PlannedStructure structure(plan.damage_case, plan.structure);
   plan.noise.shape_sds = {0.01, 0.02};
   PlannedStructure::Solver solver(structure);
@@ -209,7 +179,7 @@ TEST(PlannedValue, ATestWithoutInformationHasNoPositiveValueOnAverage) {
 
 // Before: P(right place) of the last severity with simulated tests was copied to larger severities.
 TEST(PlannedDetection, SimulatesTheLargestSeverities) {
-  PlanCase plan = plan_of_unknown_beam();
+  PlanCase plan = beam_plan(1);
   plan.noise.shape_sd = 0.03;
   const PlanModel model(plan, {});
   const PreparedDesign design =
