@@ -11,6 +11,7 @@
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/multiscale_walk.hpp"
 #include "inference/moves/regional_walk.hpp"
+#include "inference/moves/slice.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -291,15 +292,16 @@ std::vector<double> equal_visits_bias(const std::vector<double>& probability, do
 
 std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Options& options,
                                                 const Atlases& atlases, const Pilot& pilot,
-                                                bool tuning) {
+                                                Reach reach) {
   const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
+  const bool exploring = reach != Reach::fitted;
   if (options.moves.random_walk) {
     // While the mixture does not fit the posterior, steps of all lengths and along its components
     // must find the missing regions. For the draws, they replace most of the random walk.
-    add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.02, "random walk", pilot.scales);
-    add_move<MultiscaleWalk>(*kernels, tuning ? 0.3 : 0.05, "multiscale walk", pilot.scales);
-    add_move<RegionalWalk>(*kernels, tuning ? 0.2 : 0.03, "regional walk", pilot.fit);
+    add_move<RandomWalk>(*kernels, exploring ? 0.1 : 0.02, "random walk", pilot.scales);
+    add_move<MultiscaleWalk>(*kernels, exploring ? 0.3 : 0.05, "multiscale walk", pilot.scales);
+    add_move<RegionalWalk>(*kernels, exploring ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
   // Without tables, only births from the prior or the pilot change the count: more such steps.
@@ -325,6 +327,8 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   }
   if (pilot.efficiencies.size() == static_cast<std::size_t>(kernels->size()))
     kernels->reweigh(pilot.efficiencies);
+  if (reach == Reach::beyond && options.moves.random_walk)
+    kernels->add(0.3, std::make_unique<Slice>(0.3));
   return kernels;
 }
 

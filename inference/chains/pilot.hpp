@@ -97,12 +97,16 @@ struct PilotOptions {
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// All kernels, including those with pilot proposals. If `tuning` is true, more MCMC steps use
-/// kernels that explore outside the fitted proposals.
+/// Where the steps of the chains lead: mostly within the fitted proposals; also outside, while they
+/// are fitted; or outside although they are fitted, because they do not cover the posterior (for
+/// example heavy tails in many parameters). In the last case, slice sampling is added.
+enum class Reach { fitted, tuning, beyond };
+
+/// All kernels, including those with pilot proposals.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
                                                               const Options& options,
                                                               const Atlases& atlases,
                                                               const Pilot& pilot,
-                                                              bool tuning = false);
+                                                              Reach reach = Reach::fitted);
 
 }  // namespace wheeltap::inference

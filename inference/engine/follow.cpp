@@ -58,7 +58,8 @@ struct Walk {
 // Runs a chain from `from` with the kernels of tuning, which make mostly small steps.
 Walk walk(const RunContext& run, const RunState& state, int model, const Beyond& is_beyond,
           int number, const Eigen::VectorXd& from) {
-  const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+  const auto kernels =
+      sampling_kernels(run.problem, run.options, run.atlases, state.pilot, Reach::tuning);
   Target target(run.problem, false);
   target.set_model_bias(state.sampling_bias);
   State at;

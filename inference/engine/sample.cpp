@@ -27,7 +27,9 @@ constexpr std::size_t kAtHand = 1 << 16;     // draws between two calls of let_g
 constexpr std::size_t kMaxPredictions = 64;  // longer predictions are not recorded
 
 std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState& state) {
-  return sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
+  // If the draws have left the mixtures again after a refit, no mixture covers the posterior.
+  const Reach reach = state.at.refits > 1 ? Reach::beyond : Reach::fitted;
+  return sampling_kernels(run.problem, run.options, run.atlases, state.pilot, reach);
 }
 
 // Chooses the posterior modes whose shares of the draws are counted.

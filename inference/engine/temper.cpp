@@ -53,7 +53,8 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
                  : Ladder(rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
                           run.space().size()),
         [&] {
-          return how.fitted ? sampling_kernels(run.problem, options, run.atlases, state.pilot)
+          return how.fitted ? sampling_kernels(run.problem, options, run.atlases, state.pilot,
+                                               Reach::fitted)
                             : exploration_kernels(run.problem, options, run.atlases);
         },
         options.seed, c);

@@ -52,7 +52,7 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
   for (const ChainState& chain : state.chains)
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += chain.records[k];
   return kernel_efficiencies(
-      *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
+      *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, Reach::tuning), sums);
 }
 
 // Effective draws of a single model's parameters in the last round of tuning, the fewest of all
@@ -72,7 +72,8 @@ double tuned_draws(const RunState& state) {
 
 // The share of accepted draws of the mixture in the last round of tuning.
 double accepted_renewals(const RunContext& run, const RunState& state) {
-  const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+  const auto kernels =
+      sampling_kernels(run.problem, run.options, run.atlases, state.pilot, Reach::tuning);
   KernelRecord sum;
   for (int k = 0; k < kernels->size(); ++k)
     if ((*kernels)[k].name() == "mixture renewal")
@@ -103,7 +104,8 @@ void tune_once(RunContext& run, RunState& state, int steps) {
     int& i = chain.adaptation.steps;
     if (i > 0 && i == steps) return true;
     target.set_model_bias(state.tuning_bias);
-    const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+    const auto kernels =
+        sampling_kernels(run.problem, run.options, run.atlases, state.pilot, Reach::tuning);
     if (i == 0) {
       chain.by_rung.assign(1, PilotSamples(run.space()));
       chain.models.clear();

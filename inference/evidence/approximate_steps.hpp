@@ -13,12 +13,24 @@ namespace wheeltap::inference {
 /// An approximation of ln prior factor + ln likelihood at z, up to a constant.
 using LogApproximation = std::function<double(std::span<const double> z)>;
 
-/// The proposal of a sweep over the samples: draws of the mixture, or steps from the current point
-/// with the covariance of a randomly selected component times exp(2 log_scale).
+/// The proposal of a sweep over the samples.
+///
+/// - A renewal draws from the mixture q.
+/// - A walk adds a step with the covariance of a randomly selected component times s². Half of the
+///   walks move all coordinates. The other half move a random share of the coordinates, with longer
+///   steps: in a density with heavy tails, few of many coordinates are far out.
+/// - A contraction selects a component N(μ, L Lᵀ) with the probability that it generated z = μ + L
+/// u,
+///   and proposes μ + L (√(1 - s²) u + s ξ) with ξ ~ N(0, I). This leaves q invariant, so the
+///   acceptance depends only on the error of q (Neal 1998, Bayesian Statistics 6:475; Cotter et al.
+///   2013, Statistical Science 28:424). In many dimensions, a contraction therefore moves farther
+///   than a walk. It is slow where q is too small.
 struct SweepProposal {
+  enum class Kind { renewal, walk, contraction };
+
   const NormalMixture& mixture;
-  bool renew = false;  ///< true: draws of the mixture; false: steps
-  double log_scale = 0.0;
+  Kind kind = Kind::walk;
+  double scale = 1.0;  ///< s
 
   /// Writes a proposal to `to` and returns ln [q(to → z) / q(z → to)]. `normal` is scratch memory
   /// with one entry per dimension.

@@ -1,6 +1,7 @@
 #include "inference/evidence/tmcmc.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -319,6 +320,22 @@ class Replicate {
     return NormalMixture::fit(states, options, random);
   }
 
+  [[nodiscard]] SweepProposal proposal(const NormalMixture& mixture, int sweep) const {
+    using Kind = SweepProposal::Kind;
+    constexpr std::array kKinds = {Kind::renewal, Kind::walk, Kind::contraction};
+    const Kind kind = kKinds[static_cast<std::size_t>(sweep) % kKinds.size()];
+    const double log_scale = kind == Kind::contraction ? log_contraction_ : log_scale_;
+    return {.mixture = mixture, .kind = kind, .scale = std::exp(log_scale)};
+  }
+
+  // Adapts the scale of the steps of one kind to an acceptance rate of 0.3.
+  void adapt(SweepProposal::Kind kind, double rate) {
+    const double change = 2.0 * (rate - 0.3);
+    if (kind == SweepProposal::Kind::walk) log_scale_ = std::clamp(log_scale_ + change, -6.0, 2.0);
+    if (kind == SweepProposal::Kind::contraction)
+      log_contraction_ = std::clamp(log_contraction_ + change, -6.0, 0.0);
+  }
+
   // Moves as the next function, with proposals that pass the approximation times `scale`. Several
   // accepted steps of a walk count as several moves; several renewals count as one.
   void move_screened(std::span<Particle> particles, const NormalMixture& mixture, double beta,
@@ -335,8 +352,7 @@ class Replicate {
     // A screened move leads farther than a plain move, so that half of the moves suffice.
     const double least = 0.5 * options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
-      const SweepProposal propose{
-          .mixture = mixture, .renew = sweep % 2 == 0, .log_scale = log_scale_};
+      const SweepProposal propose = proposal(mixture, sweep);
       double steps = 0.0;
       for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
         if ((stopped_ = is_to_stop())) return;
@@ -367,11 +383,10 @@ class Replicate {
           p = std::move(ends[i]);
           p.log_base = values[i].log_base;
           p.log_gain = values[i].log_gain;
-          moved += propose.renew ? 1.0 : counts[i];
+          moved += propose.kind == SweepProposal::Kind::renewal ? 1.0 : counts[i];
         }
       }
-      if (!propose.renew)
-        log_scale_ = std::clamp(log_scale_ + 2.0 * (steps / (kScreenSteps * n) - 0.3), -6.0, 2.0);
+      adapt(propose.kind, steps / (kScreenSteps * n));
     }
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }
@@ -387,8 +402,7 @@ class Replicate {
     double moved = 0.0;
     const double least = (from_ ? 0.5 : 1.0) * options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps && !stopped_; ++sweep) {
-      const SweepProposal propose{
-          .mixture = mixture, .renew = sweep % 2 == 0, .log_scale = log_scale_};
+      const SweepProposal propose = proposal(mixture, sweep);
       double accepted = 0.0;
       for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
         if ((stopped_ = is_to_stop())) return;
@@ -414,8 +428,7 @@ class Replicate {
         }
       }
       moved += accepted;
-      if (!propose.renew)
-        log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / n - 0.3), -6.0, 2.0);
+      adapt(propose.kind, accepted / n);
     }
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }
@@ -430,7 +443,8 @@ class Replicate {
   long before_ = 0;  // likelihood evaluations of earlier records
   std::vector<ModelPosterior::Value> shorter_;
   std::vector<Particle> particles_;
-  double log_scale_ = 0.0;
+  double log_scale_ = 0.0;  // of the walks
+  double log_contraction_ = 0.0;
   int stages_ = 0;
   bool sluggish_ = false;
   double reported_ = 0.0;

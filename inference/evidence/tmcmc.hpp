@@ -80,9 +80,10 @@ struct Tmcmc {
 ///   share of prior draws with a positive likelihood. If draws with a positive likelihood are rare,
 ///   a replicate continues until 20 draws have a positive likelihood or 100 000 draws are made. The
 ///   estimate of the share remains unbiased.
-/// - Half of the proposals are drawn from a normal mixture. The other half are steps with the
-///   covariance of one component of the mixture and with a scale adapted from sweep to sweep. Both
-///   kinds of proposals together keep the shares of separate posterior modes balanced.
+/// - A third of the proposals are drawn from a normal mixture. The others are walks and
+/// contractions
+///   (see SweepProposal), with scales adapted from sweep to sweep. Together, these proposals keep
+///   the shares of separate posterior modes balanced, and move far in many dimensions.
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.

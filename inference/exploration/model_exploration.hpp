@@ -2,6 +2,7 @@
 // draws that cover all its posterior modes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -27,7 +28,8 @@ struct ExplorationOptions {
   bool climbs_only = false;
   /// If true, use prior draws as starting points only if `starts` lead to no posterior mode
   bool from_starts = false;
-  int particles = 1200;       ///< particles of a full SMC run, in four replicates together
+  /// Particles of a full SMC run, in four replicates together, of a model with up to 20 dimensions
+  int particles = 1200;
   int rounds = 5;             ///< largest number of rounds of importance sampling
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
@@ -41,6 +43,13 @@ struct ExplorationOptions {
   /// true, the exploration ends.
   std::function<bool()> stop = nullptr;
 };
+
+/// The number of SMC particles of a model with d dimensions: proportional to d above 20, because
+/// the proposals need the covariance of the particles.
+[[nodiscard]] constexpr int annealing_particles(int particles, int d) {
+  constexpr int kFew = 20;
+  return particles / kFew * std::max(kFew, d);
+}
 
 /// Likelihood evaluations of the exploration.
 struct ExplorationCalls {

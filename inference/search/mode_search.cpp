@@ -25,7 +25,7 @@ constexpr long kScreened = 256;       // draws of the prior on a whole record
 constexpr int kScreenedClimbs = 4;    // climbs from the most probable of these draws
 constexpr double kValley = 2.0;       // smallest depth in ln π between two modes
 constexpr double kNegligible = 25.0;  // ln mass below that of the mode with the largest mass
-constexpr std::size_t kMostModes = 60, kMostLeftOut = 300;
+constexpr std::size_t kMostModes = 300, kMostLeftOut = 300;
 constexpr long kSearchSamples = 50;  // first length of a growing record
 constexpr double kDrawsAMode = 4.0;  // starts per mode as a record grows
 constexpr double kFollowed = 30.0;   // number of modes followed as a record grows

@@ -3,6 +3,7 @@
 #include "tests/inference/study_problems.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -124,6 +125,40 @@ HardProblem student(int d) {
       all(d, Uniform{-kBox, kBox}));
 }
 
+// x_1 ~ N(1, ½²) and five curved ridges x_i ~ N(x_j², 0.1²), from x_1 to x_2, x_4, x_6, from x_2 to
+// x_3 and from x_4 to x_5 (a hybrid Rosenbrock density: Pagani, Wiegand & Nadarajah 2022).
+HardProblem rosenbrock() {
+  constexpr std::array<std::size_t, 6> kFrom = {0, 0, 1, 0, 3, 0};
+  std::vector<Prior> priors = all(6, Normal{0.0, 5.0});
+  priors[0] = Normal{0.0, 2.0};
+  priors[2] = priors[4] = Normal{0.0, 20.0};
+  return versus_nothing(
+      "Rosenbrock",
+      [=](Point x) {
+        double sum = normal_log_density(x[0], 1.0, 0.5);
+        for (std::size_t i = 1; i < x.size(); ++i)
+          sum += normal_log_density(x[i], x[kFrom[i]] * x[kFrom[i]], 0.1);
+        return sum;
+      },
+      priors);
+}
+
+// A shell: |x| ~ N(2, 0.1²) and a uniform direction. The density is N(|x|; 2, 0.1²) divided by the
+// area 2 π^{d/2} |x|^{d-1} / Γ(d/2) of the sphere.
+HardProblem halo(int d) {
+  const double log_unit =
+      std::log(2.0) + 0.5 * d * std::log(std::acos(-1.0)) - std::lgamma(0.5 * d);
+  return versus_nothing(
+      "halo",
+      [=](Point x) {
+        double squares = 0.0;
+        for (const double v : x) squares += v * v;
+        const double radius = std::sqrt(squares);
+        return normal_log_density(radius, 2.0, 0.1) - log_unit - (d - 1) * std::log(radius);
+      },
+      all(d, Normal{0.0, 1.0}));
+}
+
 // ½ N(-½, 0.05²) + ½ N(½, 0.05²) in each coordinate, in |x| < 1: 2^d modes.
 HardProblem two_in_each(int d) {
   return versus_nothing(
@@ -172,6 +207,8 @@ const std::vector<HardProblem>& study_problems() {
     }
     for (const int d : {10, 20, 30}) out.push_back(normal_funnel(d));
     for (const int d : {10, 20}) out.push_back(student(d));
+    out.push_back(rosenbrock());
+    out.push_back(halo(20));
     for (const int d : {6, 8}) out.push_back(two_in_each(d));
     out.push_back(labels());
     return out;

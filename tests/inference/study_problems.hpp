@@ -8,8 +8,9 @@
 
 namespace wheeltap::inference {
 
-/// Gaussian and autoregressive densities, funnels with normal priors, Student t densities, and
-/// densities with 2^n or 5! equal modes, each against a model without parameters.
+/// Gaussian and autoregressive densities, funnels with normal priors, Student t densities, a
+/// Rosenbrock density, a shell, and densities with 2^n or 5! equal modes, each against a model
+/// without parameters.
 [[nodiscard]] const std::vector<HardProblem>& study_problems();
 
 }  // namespace wheeltap::inference
