@@ -43,7 +43,7 @@ struct SensorTerm {
   int slot = 0;  ///< slot of scale and offset of the observed signal
 };
 
-/// The work for one group of parameter vectors, one vector per SIMD lane.
+/// Input of a simulation for one group of parameter vectors, one vector per SIMD lane.
 struct Task {
   int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
   int frictions = 0;  ///< number of pairs of masses with exact friction

@@ -66,12 +66,13 @@ struct Sampling {
       0.0;  ///< largest distance of a time stamp from an even grid, in time steps; 0 without jitter
 };
 
-/// Determines the sampling from a time column. `scale` [s] gives the duration of one unit of the
-/// column. Without `scale`, the unit comes from the column's header or name, otherwise from the
-/// values (see Sampling::Basis); the default is seconds. Every time step must equal the mean time
-/// step within 1 % plus the rounding of the printed times. Throws io::FileError (corrupt), with the
-/// line number, for NaN, decreasing times, gaps and uneven steps. Also throws io::FileError for an
-/// unknown time unit, and if `stated` differs from the rate of the time column by more than 0.1 %.
+/// Determines the sampling interval from a time column. `scale` [s] gives the duration of one unit
+/// of the column. Without `scale`, the unit comes from the column's header or name, otherwise from
+/// the values (see Sampling::Basis); the default is seconds. Every time step must equal the mean
+/// time step within 1 % plus the rounding of the printed times. Throws io::FileError (corrupt),
+/// with the line number, for NaN, decreasing times, gaps and uneven steps. Also throws
+/// io::FileError for an unknown time unit, and if `stated` differs from the rate of the time column
+/// by more than 0.1 %.
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
                                    std::optional<double> stated = std::nullopt,
                                    std::optional<double> scale = std::nullopt);

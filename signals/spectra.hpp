@@ -60,9 +60,9 @@ struct SpectrumComparison {
 [[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
                                                 double sample_rate_hz, WelchOptions options = {});
 
-/// Computes the relative decrease of a signal's RMS value by linear interpolation between the
-/// samples, 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with the sums over the signal's spectrum S. Linear
-/// interpolation multiplies the amplitude of a component of frequency f by sinc²(f / f_s).
+/// Linear interpolation between the samples decreases the RMS value of a signal. Returns the
+/// relative decrease 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with sums over the spectrum S of the signal.
+/// Linear interpolation multiplies the amplitude of a component of frequency f by sinc²(f / f_s).
 [[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
 
 /// Subtracts from x the least-squares polynomial of degree 0 (mean) or 1 (line), in place.

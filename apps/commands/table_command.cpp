@@ -211,7 +211,8 @@ Command table_command() {
             options.add_case();
             options.add_output("FILE.nc", "table file to write, NetCDF");
             options.add_json("print the errors of the emulator as JSON");
-            options.add_seed("seed of the further FE runs that measure the error (default 1)");
+            options.add_seed(
+                "seed of the FE validation runs that measure the emulator error (default 1)");
             options.add_threads();
             options.add_limits();
             options.add_dry_run();

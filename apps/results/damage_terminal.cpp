@@ -1,8 +1,10 @@
 #include "apps/results/damage_terminal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <ostream>
 
@@ -42,6 +44,7 @@ std::string true_place(const DefectKind& kind, double location) {
 void print_defects(const Page& page, const DamageCase& damage_case,
                    const std::vector<ParameterFinding>& shown, bool folded) {
   std::vector<std::vector<std::string>> rows;
+  std::map<std::size_t, std::array<std::string, 2>> extents;  // by row
   std::string severity_heading;
   for (std::size_t p = 0; p < shown.size(); ++p) {
     const Unknown& u = shown[p].unknown;
@@ -61,6 +64,11 @@ void print_defects(const Page& page, const DamageCase& damage_case,
       severity_heading =
           severity_heading.empty() || severity_heading == heading ? heading : "severity";
     }
+    if (kind.extent_prior) {
+      const Marginal& length = shown[p + (kind.severity_prior() ? 2U : 1U)].estimate;
+      extents[rows.size()] = {place_in_metres(length.q50) + " m",
+                              damage_interval(length, place_in_metres) + " m"};
+    }
     rows.push_back(std::move(row));
   }
   std::vector<std::string> header = {"", "location"};
@@ -69,6 +77,16 @@ void print_defects(const Page& page, const DamageCase& damage_case,
   if (!severity_heading.empty()) {
     header.push_back(severity_heading);
     header.emplace_back("95 % interval");
+  }
+  if (!extents.empty()) {
+    const std::size_t width = header.size();
+    header.insert(header.end(), {"extent", "95 % interval"});
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      rows[r].resize(width);
+      const auto found = extents.find(r);
+      for (std::size_t i = 0; i < 2; ++i)
+        rows[r].push_back(found == extents.end() ? "-" : found->second[i]);
+    }
   }
   rows.insert(rows.begin(), header);
   page.table(rows);

@@ -296,7 +296,8 @@ class Series {
   }
 
   /// Returns the first time in [0, length], length <= 1 sample interval, at which link f changes
-  /// between stick and slip; 2: no change. Writes to `side` the side to which the link breaks away.
+  /// between stick and slip; 2: no change. Writes to `side` the direction (+1 or -1) in which the
+  /// friction link starts to slide.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);

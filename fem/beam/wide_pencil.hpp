@@ -1,5 +1,5 @@
-// The eigenvalue problem K φ = λ M φ in 106-bit arithmetic: refinement of approximate modes and
-// proof of eigenvalue bounds.
+// The eigenvalue problem K φ = λ M φ in 106-bit (double-double) arithmetic: refinement of
+// approximate modes and verified eigenvalue bounds.
 #pragma once
 
 #include <optional>

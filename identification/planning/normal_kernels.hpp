@@ -37,7 +37,8 @@ inline constexpr std::size_t kPairLanes = 8;
 /// Number of independent entries of a symmetric 4 × 4 matrix.
 inline constexpr std::size_t kSymmetric = 10;
 
-/// Pairs of one place a with several places b. Array lengths are multiples of kPairLanes.
+/// Pairs of one damage location a with several damage locations b. Array lengths are multiples of
+/// kPairLanes.
 struct PairRow {
   float amplitude;           ///< y · v_a; v_a is the unit direction of place a
   float bend;                ///< y · w_a; w_a is the direction of deviations from the line of v_a

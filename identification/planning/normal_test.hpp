@@ -111,7 +111,8 @@ class NormalTest {
   struct Position;
 
   [[nodiscard]] std::shared_ptr<const PairList> list_pairs(const std::vector<int>& kinds) const;
-  /// Scalar products of all typical directions v and bends w: 2 columns per place.
+  /// Scalar products of all sensitivity vectors v and curvature vectors w (`bends_`): 2 columns per
+  /// damage location.
   [[nodiscard]] Eigen::MatrixXd directions_gram() const;
   void set_interactions(const std::vector<NormalInteraction>& interactions);
   [[nodiscard]] double log_place(const double* products, int a) const;

@@ -92,7 +92,8 @@ struct TestScores {
   struct HeldOut {
     Operating chosen, tested, variance;
   };
-  /// Thresholds chosen from each half; both lists are empty if a half has no tests of a model.
+  /// Thresholds chosen from each half of the tests; both lists are empty if a half has no tests
+  /// of one of the models.
   std::array<std::vector<HeldOut>, 2> halves;
 };
 
@@ -103,7 +104,7 @@ struct TestScores {
 ///
 ///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.
 ///
-/// Throws std::invalid_argument if there are no intact tests.
+/// Throws std::invalid_argument if there are no tests of the undamaged structure.
 [[nodiscard]] TestScores summarise(const std::vector<TestOutcome>& outcomes,
                                    const std::vector<NormalModel>& models, double false_alarm);
 

@@ -53,8 +53,8 @@ struct ModelFindings {
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes left out because a search keeps a limited number of modes, and their
-  /// share of the model's probability mass by Laplace's method.
+  /// Number of posterior modes that the search did not keep, because it keeps a limited number,
+  /// and their share of the model's probability mass by Laplace's method.
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`

@@ -1,6 +1,7 @@
 #include "io/tables/delimited_text.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <limits>
 
@@ -81,6 +82,14 @@ std::string without_utf16(std::string text) {
     }
   }
   return out;
+}
+
+/// True if the name of a column says that it contains times.
+bool named_as_time(std::string_view name) {
+  std::string lower(name);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower.starts_with("time") || lower.starts_with("date") || lower.ends_with("time");
 }
 
 /// Returns the separator that a line "sep=;" states for spreadsheets.
@@ -411,6 +420,10 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
           "points)";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
       reason += ", unlike the cells above";
+    else if (named_as_time(column.name))
+      reason +=
+          " or a known time stamp: state the form of the times, for example \"time_format\": "
+          "\"%d.%m.%Y %H:%M:%S\"";
     else
       reason +=
           ": leave the cell empty if it stands for a missing value, or do not read this column "
@@ -557,7 +570,11 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
                            std::to_string(headers_.size()) + " as in line " +
                            std::to_string(header_line_ > 0 ? header_line_ : first_line_);
       // If the names do not match the first row, they may not be a header.
-      if (row == 0 && header_line_ > 0)
+      if (shape_.separator == ',' && c > headers_.size() && row == 0)
+        reason +=
+            " (if the numbers have decimal commas, export the table with semicolons between the "
+            "columns; if that line holds no names, state \"header\": 0)";
+      else if (row == 0 && header_line_ > 0)
         reason += " (if that line holds no names, state \"header\": 0, or the line of the names)";
       else if (row + 1 == starts_.size())
         reason += ": the last row is truncated; delete it";

@@ -94,8 +94,15 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
       "t.csv, line 3: 1 columns, must be 2 as in line 1: the last row is truncated; delete it");
   EXPECT_EQ(error("a,b\n0,1\n0\n0,1\n"), "t.csv, line 3: 1 columns, must be 2 as in line 1");
   EXPECT_EQ(error("a,b\n0,1,2\n"),
+            "t.csv, line 2: 3 columns, must be 2 as in line 1 (if the numbers have decimal commas, "
+            "export the table with semicolons between the columns; if that line holds no names, "
+            "state \"header\": 0)");
+  EXPECT_EQ(error("a;b\n0;1;2\n"),
             "t.csv, line 2: 3 columns, must be 2 as in line 1 (if that line holds no names, state "
             "\"header\": 0, or the line of the names)");
+  EXPECT_EQ(error("Time;b\nMonday 0;1\n"),
+            "t.csv, line 2, column 1 ('Time'): 'Monday 0' is not a number or a known time stamp: "
+            "state the form of the times, for example \"time_format\": \"%d.%m.%Y %H:%M:%S\"");
   EXPECT_EQ(error("0 1\n0 1 2\n0 1\n"), "t.csv, line 2: 3 columns, must be 2 as in line 1");
   EXPECT_EQ(error("a,b\n0,1\n\n0,1\n"),
             "t.csv, line 3: empty line: delete it, or cut the file there if another table follows");
