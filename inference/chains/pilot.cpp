@@ -10,6 +10,7 @@
 #include "inference/moves/between_models/model_switch.hpp"
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/multiscale_walk.hpp"
+#include "inference/moves/newton_walk.hpp"
 #include "inference/moves/regional_walk.hpp"
 #include "inference/moves/slice.hpp"
 #include "inference/statistics/standard_normal.hpp"
@@ -304,6 +305,9 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
     add_move<RegionalWalk>(*kernels, exploring ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
+  // An expensive likelihood is worth the derivatives of each proposal.
+  if (options.moves.random_walk && problem.costly && is_list(space))
+    add_move<NewtonWalk>(*kernels, 0.3, "Newton walk");
   // Without tables, only births from the prior or the pilot change the count: more such steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
   add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,

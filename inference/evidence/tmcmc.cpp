@@ -328,7 +328,7 @@ class Replicate {
     return {.mixture = mixture, .kind = kind, .scale = std::exp(log_scale)};
   }
 
-  // Adapts the scale of the steps of one kind to an acceptance rate of 0.3.
+  // Adapts the scale of one kind of proposals to an acceptance rate of 0.3.
   void adapt(SweepProposal::Kind kind, double rate) {
     const double change = 2.0 * (rate - 0.3);
     if (kind == SweepProposal::Kind::walk) log_scale_ = std::clamp(log_scale_ + change, -6.0, 2.0);
@@ -443,7 +443,7 @@ class Replicate {
   long before_ = 0;  // likelihood evaluations of earlier records
   std::vector<ModelPosterior::Value> shorter_;
   std::vector<Particle> particles_;
-  double log_scale_ = 0.0;  // of the walks
+  double log_scale_ = 0.0;  // for walks
   double log_contraction_ = 0.0;
   int stages_ = 0;
   bool sluggish_ = false;
