@@ -185,9 +185,22 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
   one(first.stiffness_discrepancy, data.stiffness_discrepancy, "stiffness");
 }
 
+/// True if a member has an axial force, given or unknown. Its geometric stiffness does not change
+/// with the temperature, unlike all other stiffnesses.
+bool has_axial_force(const CaseFile& file, const StructureModel& model) {
+  const auto* members = std::get_if<fem::Structure>(&model.nominal);
+  if (members == nullptr) return false;
+  const auto is_loaded = [](const fem::Member& m) { return m.axial_force != 0.0; };
+  const Pointer list("/structure/members");
+  return std::ranges::any_of(members->members, is_loaded) ||
+         (file.json.contains(list) && std::ranges::any_of(file.json.at(list), [](const Json& m) {
+            return m.contains("axial_force") && m.at("axial_force").is_string();
+          }));
+}
+
 /// Temperatures relative to the reference, and the temperature coefficient of the stiffness.
-void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
-                       ObservedStates& out) {
+void parse_temperature(const CaseFile& file, const StructureModel& model,
+                       const std::vector<Pointer>& where, ObservedStates& out) {
   double sum = 0.0, count = 0.0;
   for (std::size_t s = 0; s < where.size(); ++s) {
     if (!file.json.at(where[s]).contains("temperature")) continue;
@@ -203,6 +216,11 @@ void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
     file.refuse(kTemperature,
                 "is missing: {\"stiffness_per_kelvin\": prior}, the relative change of the "
                 "stiffness per kelvin, e.g. {\"normal\": [-4e-4, 4e-4]}");
+  if (has_axial_force(file, model))
+    file.refuse(kTemperature,
+                "is not allowed with axial forces: it scales all stiffnesses, and the geometric "
+                "stiffness of an axial force does not change with the temperature; use states of "
+                "equal temperature without this key");
   out.per_kelvin = parse_prior(file, kTemperature / kPerKelvin);
   const double reference = file.json.at(kTemperature).value("reference", sum / count);
   for (std::size_t s = 0; s < where.size(); ++s) {
@@ -335,7 +353,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
   for (std::size_t p = 0; p < out.model->parameters.size(); ++p)
     (known.contains(out.model->parameters[p].name) ? out.known : out.unknown)
         .push_back(static_cast<int>(p));
-  parse_temperature(file, where, out);
+  parse_temperature(file, *out.model, where, out);
   return out;
 }
 

@@ -404,6 +404,8 @@ ChangeEstimate ChangePoint::estimate() const {
         }
       }
   }
+  // The shares of the candidates sum to 1 up to rounding.
+  out.shifted_probability = out.shifted_probability.cwiseMin(1.0);
   out.shift_sd = (squares.array() - out.shift.array().square()).max(0.0).sqrt();
   std::ranges::sort(onsets);
   double below = 0.0;

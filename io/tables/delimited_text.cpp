@@ -115,6 +115,8 @@ class Stamps {
       stamp = read_stamp(text, format_.pattern);
     }
     if (!stamp) return false;
+    zone_differs_ = first_ && stamp->has_zone != first_->has_zone;
+    if (zone_differs_) return false;
     if (!first_) {
       first_ = last_ = stamp;
       first_text_ = text;
@@ -132,6 +134,8 @@ class Stamps {
     return true;
   }
   [[nodiscard]] const std::optional<TimeStamp>& first() const { return first_; }
+  /// True if the last text that was not read states a time zone unlike the first one, or reverse.
+  [[nodiscard]] bool zone_differs() const { return zone_differs_; }
   [[nodiscard]] int decimals() const { return decimals_; }
   [[nodiscard]] std::string pattern() const {
     return format_.pattern.empty() ? stamp_pattern(first_text_, format_.order) : format_.pattern;
@@ -143,6 +147,7 @@ class Stamps {
   std::optional<TimeStamp> first_, last_;
   std::int64_t days_ = 0;
   int decimals_ = 0;
+  bool zone_differs_ = false;
 };
 
 }  // namespace
@@ -550,6 +555,8 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
         if (is_missing_value(text)) {
           table.columns[c].values[row] = value;
         } else if (!stamps[c]->read(text, table.columns[c].values[row])) {
+          if (stamps[c]->zone_differs())
+            fail(place, shown(text) + ": state the offset from UTC in all rows or in no row");
           fail(place,
                shown(text) + " is not a time stamp" +
                    (stated_.time_format.empty() ? std::string(" like those above")

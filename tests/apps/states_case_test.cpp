@@ -316,6 +316,10 @@ TEST(StatesCase, Refusals) {
     "data": {"frequencies": [5, 31], "cov": 0.01, "discrepancy": {"stiffness": 0.05}},
     "damage": {"kind": "reduction", "count": {"min": 0, "max": 1, "prior": "uniform"},
                "reduction": {"uniform": [0, 0.9]}}})");
+  refused(c, "/data/discrepancy/stiffness: 0.05: is not allowed with axial forces");
+  c["data"].erase("discrepancy");
+  c["data"]["temperature"] = 20;
+  c["temperature"] = {{"stiffness_per_kelvin", {{"normal", {0, 1e-3}}}}, {"reference", 10}};
   refused(c, "is not allowed with axial forces");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;

@@ -139,6 +139,19 @@ TEST(ChangeExplanation, FindsPlaceAndSeverityOfASharplyMeasuredDamage) {
   EXPECT_NEAR(found.damage + found.mass + found.sensor + found.other, 1.0, 1e-12);
 }
 
+// The masses of neighbouring elements overlap in severity: sorted by their lower ends alone, the
+// median of an added mass exceeded its 95 % quantile.
+TEST(ChangeExplanation, QuantilesAreInOrder) {
+  const Bridge bridge;
+  for (const double x : {3.5, 7.5, 13.5, 22.0})
+    for (const double share : {0.3, 0.7, 0.99})
+      for (const ExplainedDefect& defect : bridge.explain(bridge.shift(0, x, share), 1e-4).defects)
+        for (const CentralInterval& of : {defect.location, defect.severity}) {
+          EXPECT_LE(of.q5, of.q50) << x << " m, " << share;
+          EXPECT_LE(of.q50, of.q95) << x << " m, " << share;
+        }
+}
+
 // Shifts of a damage plus a deviation: five to seven standard deviations from every damage.
 TEST(ChangeExplanation, CallsNoShiftDamageThatIsFarFromEveryDamage) {
   const Bridge bridge;

@@ -100,6 +100,9 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
   EXPECT_EQ(error("a;b\n0;1;2\n"),
             "t.csv, line 2: 3 columns, must be 2 as in line 1 (if that line holds no names, state "
             "\"header\": 0, or the line of the names)");
+  EXPECT_EQ(error("t;b\n2026-01-01T00:00Z;1\n2026-01-01T01:00;1\n2026-01-01T02:00;1\n"),
+            "t.csv, line 3, column 1 ('t'): '2026-01-01T01:00': state the offset from UTC in all "
+            "rows or in no row");
   EXPECT_EQ(error("Time;b\nMonday 0;1\n"),
             "t.csv, line 2, column 1 ('Time'): 'Monday 0' is not a number or a known time stamp: "
             "state the form of the times, for example \"time_format\": \"%d.%m.%Y %H:%M:%S\"");

@@ -66,24 +66,39 @@ Segment segment_of(const ShiftLikelihood::Component& one, const VectorXd& from,
           .c = std::max(0.0, d.dot(pulled))};
 }
 
-/// A probability mass on an interval of a line, used to compute quantiles.
+/// A probability mass, uniform on an interval of a line, used to compute quantiles.
 struct Mass {
   double from, to, mass;
+
+  /// The mass below x.
+  [[nodiscard]] double below(double x) const {
+    const double low = std::min(from, to), length = std::abs(to - from);
+    if (!(length > 0.0)) return x >= low ? mass : 0.0;
+    return mass * std::clamp((x - low) / length, 0.0, 1.0);
+  }
 };
 
+/// Quantile of masses whose intervals may overlap, by bisection.
 double quantile_of(const std::vector<Mass>& masses, double total, double share) {
-  double below = 0.0;
+  constexpr int kHalvings = 100;
+  double low = kInfinity, high = -kInfinity;
   for (const Mass& m : masses) {
-    if (below + m.mass >= share * total && m.mass > 0.0)
-      return m.from + (m.to - m.from) * std::clamp((share * total - below) / m.mass, 0.0, 1.0);
-    below += m.mass;
+    if (!(m.mass > 0.0)) continue;
+    low = std::min({low, m.from, m.to});
+    high = std::max({high, m.from, m.to});
   }
-  return masses.empty() ? kNaN : masses.back().to;
+  if (!(low <= high)) return kNaN;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) break;
+    double below = 0.0;
+    for (const Mass& m : masses) below += m.below(middle);
+    (below >= share * total ? high : low) = middle;
+  }
+  return high;
 }
 
-/// Quantiles of `masses`, which are sorted by their location first.
-CentralInterval interval_of(std::vector<Mass> masses) {
-  std::ranges::stable_sort(masses, {}, &Mass::from);
+CentralInterval interval_of(const std::vector<Mass>& masses) {
   double total = 0.0;
   for (const Mass& m : masses) total += m.mass;
   return {quantile_of(masses, total, 0.05), quantile_of(masses, total, 0.5),
@@ -199,7 +214,7 @@ ExplainedDefect defect_of(const Explainer& explainer, const DefectKind& kind,
   if (!(total > 0.0)) return out;
   for (double& p : out.by_cell) p /= total;
   out.location = interval_of(places);
-  out.severity = interval_of(std::move(severities));
+  out.severity = interval_of(severities);
   for (const auto& [number, masses] : stretches) {
     double own = 0.0;
     for (const Mass& m : masses) own += m.mass / total;
