@@ -2,7 +2,7 @@
 // rounds [s] and the frequencies. With a directory, writes the matrices k.mtx and m.mtx (Matrix
 // Market) for a comparison with another solver (bench/python/frame_modes.py).
 //
-//   frame_modes ELEMENTS_A_MEMBER [DIRECTORY]
+//   frame_modes ELEMENTS_PER_MEMBER [DIRECTORY]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -37,7 +37,7 @@ void write(const std::string& path, const Eigen::SparseMatrix<double>& matrix) {
 int main(int argc, char** argv) {
   const int elements = argc > 1 ? std::atoi(argv[1]) : 0;
   if (elements < 1) {
-    std::fprintf(stderr, "frame_modes ELEMENTS_A_MEMBER [DIRECTORY]\n");
+    std::fprintf(stderr, "usage: frame_modes ELEMENTS_PER_MEMBER [DIRECTORY]\n");
     return 64;
   }
   using namespace wheeltap;

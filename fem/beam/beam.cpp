@@ -6,7 +6,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 
 namespace wheeltap::fem {
 namespace {
@@ -65,24 +64,30 @@ std::vector<Support> named_supports(std::string_view name, double length) {
 }
 
 bool is_mirror_symmetric(const Beam& beam) {
-  // One entry per restrained motion: grid position, true for a rotation, stiffness.
-  using Hold = std::tuple<long, bool, double>;
-  const double grid = kSamePlace * beam.length;
-  std::vector<Hold> as_is, mirrored;
-  for (const Support& s : beam.supports) {
-    const double stiffness = s.stiffness.value_or(std::numeric_limits<double>::infinity());
-    for (const bool rotation : {false, true}) {
-      if (!(rotation ? s.rotation : s.deflection)) continue;
-      as_is.emplace_back(std::lround(s.at / grid), rotation, stiffness);
-      mirrored.emplace_back(std::lround((beam.length - s.at) / grid), rotation, stiffness);
-    }
-  }
-  const auto same = [](const Hold& a, const Hold& b) {
-    return std::abs(std::get<0>(a) - std::get<0>(b)) <= 1 && std::get<1>(a) == std::get<1>(b) &&
-           std::get<2>(a) == std::get<2>(b);
+  // Springs at one place add up, and a rigid support there makes their sum infinite. Two beams are
+  // equal if the total stiffness against each motion at each place is equal.
+  struct Hold {
+    double at;
+    bool rotation;
+    double stiffness;
   };
-  // Compares the supports as multisets. Several supports may have the same location.
-  return std::is_permutation(as_is.begin(), as_is.end(), mirrored.begin(), mirrored.end(), same);
+  std::vector<Hold> holds;
+  for (const Support& s : beam.supports)
+    for (const bool rotation : {false, true})
+      if (rotation ? s.rotation : s.deflection)
+        holds.push_back(
+            {s.at, rotation, s.stiffness.value_or(std::numeric_limits<double>::infinity())});
+  const double close = kSamePlace * beam.length;
+  const auto total = [&](double at, bool rotation) {
+    double sum = 0.0;
+    for (const Hold& h : holds)
+      if (h.rotation == rotation && std::abs(h.at - at) <= close) sum += h.stiffness;
+    return sum;
+  };
+  return std::ranges::all_of(holds, [&](const Hold& h) {
+    const double here = total(h.at, h.rotation), there = total(beam.length - h.at, h.rotation);
+    return here == there || std::abs(here - there) <= 1e-12 * here;
+  });
 }
 
 void validate(const Beam& beam) {

@@ -63,8 +63,16 @@ TEST(Beam, DetectsMirrorSymmetry) {
   EXPECT_TRUE(is_mirror_symmetric(beam));
   beam.supports.back().stiffness = 2e4;
   EXPECT_FALSE(is_mirror_symmetric(beam));
+  // Two springs at one place are one spring of their total stiffness.
+  beam.supports.push_back({.at = 0.3, .stiffness = 1e4});
+  EXPECT_TRUE(is_mirror_symmetric(beam));
+  beam.supports.pop_back();
   beam.supports.back() = {.at = 0.7, .deflection = false, .rotation = true, .stiffness = 1e4};
   EXPECT_FALSE(is_mirror_symmetric(beam));
+  // A spring at a rigid support has no effect.
+  beam = slender_beam("simply-supported");
+  beam.supports.push_back({.at = beam.length, .stiffness = 1e4});
+  EXPECT_TRUE(is_mirror_symmetric(beam));
 }
 
 TEST(Beam, RejectsInvalidDefinitions) {

@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 ///   free cubic springs counts;
 /// - after the window (SidCase::beyond), a residual exceeds kSmallResidual times the response and
 ///   is more than twice the residual within the window, absolutely and relative to the response. It
-///   counts as a misfit only if all of about twenty draws have such a residual.
+///   counts as a misfit only if all of up to 400 draws have such a residual.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,
