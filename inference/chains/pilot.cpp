@@ -307,7 +307,7 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   }
   // An expensive likelihood is worth the derivatives of each proposal.
   if (options.moves.random_walk && problem.costly && is_list(space))
-    add_move<NewtonWalk>(*kernels, exploring ? 1.0 : 0.5, "Newton walk");
+    add_move<NewtonWalk>(*kernels, exploring ? 0.5 : 0.3, "Newton walk");
   // Without tables, only births from the prior or the pilot change the count: more such steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
   add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,

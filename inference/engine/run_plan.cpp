@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "inference/engine/run_context.hpp"
+#include "inference/exploration/model_exploration.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -85,8 +86,9 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
     if (sets) plan.explore += tempering();
     if (!sets && !options.quick && problem.space.size() <= kFewModels) {
       const Sizes all = sizes_of(problem.space);
-      const double particles =
-          annealing_particles(problem, brevity(options), static_cast<double>(all.models));
+      const double particles = scaled_particles(
+          annealing_particles(problem, brevity(options), static_cast<double>(all.models)),
+          static_cast<int>(all.dimensions / std::max(1.0, static_cast<double>(all.models))));
       const double stages = kStages * all.models + kStagesADimension * all.dimensions;
       plan.explore += particles * stages * kCallsAParticle + kWeighingRounds * all.in_draws;
     }

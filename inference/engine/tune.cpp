@@ -29,10 +29,12 @@ constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
 // With a costly likelihood and a single model, tuning ends when the current proposals give this
 // number of effective draws in fewer steps than the next round of tuning. Tuning also ends when
-// this share of the draws of the mixture is accepted, because more rounds then hardly improve it.
+// the share kGoodRenewal of the draws of the mixture is accepted, because more rounds then hardly
+// improve it. With a share below kFairRenewal, the mixture does not cover the posterior, and later
+// refits cost more than tuning.
 // Tuning has at least this number of steps per chain and dimension.
 constexpr double kEnoughDraws = 1000.0;
-constexpr double kGoodRenewal = 0.3;
+constexpr double kGoodRenewal = 0.3, kFairRenewal = 0.15;
 constexpr int kStepsADimension = 100;
 // In tuning, less probable models get fewer visits than the others, because no draws of these
 // models are expected.
@@ -90,7 +92,9 @@ bool is_tuned(const RunContext& run, const RunState& state) {
   if (is_given || !run.problem.costly || run.models() != 1 || !run.problem.space.kinds().empty() ||
       next >= kTuning.size() || state.at.tuned < kStepsADimension * run.space()[0].dimension)
     return false;
-  if (accepted_renewals(run, state) > kGoodRenewal) return true;
+  const double renewals = accepted_renewals(run, state);
+  if (renewals > kGoodRenewal) return true;
+  if (renewals < kFairRenewal) return false;
   // Lengths of the rounds of tuning are in proportion to kTuning. Both sides are numbers of steps,
   // in units of the last round.
   return kEnoughDraws / tuned_draws(state) <

@@ -444,9 +444,8 @@ LogApproximation normal_approximation(const std::vector<Mode>& modes) {
 // Runs SMC from the prior. Returns no draws if SMC fails.
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
-  const int particles =
-      brief ? std::min(kBriefParticles, options.particles)
-            : annealing_particles(options.particles, problem.space[model].dimension);
+  const int particles = brief ? std::min(kBriefParticles, options.particles)
+                              : scaled_particles(options.particles, problem.space[model].dimension);
   double done = 0.0;
   try {
     Tmcmc annealed = tmcmc(

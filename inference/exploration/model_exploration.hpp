@@ -46,7 +46,7 @@ struct ExplorationOptions {
 
 /// The number of SMC particles of a model with d dimensions: proportional to d above 20, because
 /// the proposals need the covariance of the particles.
-[[nodiscard]] constexpr int annealing_particles(int particles, int d) {
+[[nodiscard]] constexpr int scaled_particles(int particles, int d) {
   constexpr int kFew = 20;
   return particles / kFew * std::max(kFew, d);
 }

@@ -7,7 +7,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kLeastContraction = 1e-3;   // smallest 1 - ρ
+constexpr double kLeastContraction = 1e-3;  // smallest 1 - ρ
 constexpr double kNewtonStep = 1e-4;  // scales the exact derivatives; z is standard normal a priori
 
 }  // namespace
@@ -26,7 +26,8 @@ const NewtonWalk::Local* NewtonWalk::about(const State& state, Target& target) {
   at_.model = state.model;
   at_.z = state.z;
   if (!target.gauss_newton(at_, steps, gradient, information)) return nullptr;
-  const Eigen::LLT<Eigen::MatrixXd> llt(Eigen::Map<const Eigen::MatrixXd>(information.data(), d, d));
+  const Eigen::LLT<Eigen::MatrixXd> llt(
+      Eigen::Map<const Eigen::MatrixXd>(information.data(), d, d));
   if (llt.info() != Eigen::Success) return nullptr;
   local.newton = llt.solve(Eigen::Map<const Eigen::VectorXd>(gradient.data(), d));
   local.factor = llt.matrixL();
@@ -44,7 +45,7 @@ std::optional<double> NewtonWalk::propose(const State& from, const Step& step, S
   if (here == nullptr) return std::nullopt;
   const auto d = static_cast<Eigen::Index>(from.z.size());
   const double share = std::pow(kLeastContraction, step.random.uniform());  // 1 - ρ
-  const double scale = std::sqrt(share * (2.0 - share));            // √(1 - ρ²)
+  const double scale = std::sqrt(share * (2.0 - share));                    // √(1 - ρ²)
   Eigen::VectorXd u(d);
   for (double& v : u) v = step.random.normal();
   const Eigen::Map<const Eigen::VectorXd> z(from.z.data(), d);

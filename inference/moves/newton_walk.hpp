@@ -14,8 +14,8 @@ namespace wheeltap::inference {
 ///   z' ~ N(z + (1 - ρ) H⁻¹ g, (1 - ρ²) H⁻¹).
 ///
 /// ln(1 - ρ) is uniform between ln 10⁻³ and 0 and independent of the state. If ln π is quadratic
-/// with the Hessian -H, the proposal leaves π invariant for every ρ. Otherwise, the ratio of the two
-/// proposal densities corrects for the change of g and H between z and z' (manifold Metropolis
+/// with the Hessian -H, the proposal leaves π invariant for every ρ. Otherwise, the ratio of the
+/// two proposal densities corrects for the change of g and H between z and z' (manifold Metropolis
 /// adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society B 73:123,
 /// section 5, with an information matrix without its derivatives). The move is suitable for
 /// posteriors close to a curved surface, for example if the data determine only some directions
@@ -33,8 +33,8 @@ class NewtonWalk : public Move {
   struct Local {
     int model = -1;
     std::vector<double> z;
-    Eigen::VectorXd newton;       ///< H⁻¹ g
-    Eigen::MatrixXd factor;       ///< lower Cholesky factor L of H
+    Eigen::VectorXd newton;        ///< H⁻¹ g
+    Eigen::MatrixXd factor;        ///< lower Cholesky factor L of H
     double log_determinant = 0.0;  ///< ln |L|
   };
 
