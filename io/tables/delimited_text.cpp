@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "io/tables/stamp_column.hpp"
 #include "io/text/text.hpp"
 #include "io/text/text_cells.hpp"
 
@@ -101,54 +102,6 @@ std::optional<char> stated_separator(std::string_view line) {
     return std::nullopt;
   return parse_separator(line.substr(4));
 }
-
-/// The time stamps of a column as seconds since the first time stamp.
-class Stamps {
- public:
-  explicit Stamps(const TimeFormat& format) : format_(format) {}
-
-  [[nodiscard]] bool read(std::string_view text, double& value) {
-    std::optional<TimeStamp> stamp;
-    if (format_.pattern.empty()) {
-      stamp = read_stamp(text, format_.order).stamp;
-    } else {
-      stamp = read_stamp(text, format_.pattern);
-    }
-    if (!stamp) return false;
-    zone_differs_ = first_ && stamp->has_zone != first_->has_zone;
-    if (zone_differs_) return false;
-    if (!first_) {
-      first_ = last_ = stamp;
-      first_text_ = text;
-    }
-    // Times of day restart at midnight.
-    constexpr std::int64_t kDay = 86'400'000'000'000;
-    stamp->nanoseconds += days_ * kDay;
-    if (!stamp->has_date && stamp->nanoseconds < last_->nanoseconds - kDay / 2) {
-      ++days_;
-      stamp->nanoseconds += kDay;
-    }
-    last_ = stamp;
-    decimals_ = std::max(decimals_, stamp->decimals);
-    value = 1e-9 * static_cast<double>(stamp->nanoseconds - first_->nanoseconds);
-    return true;
-  }
-  [[nodiscard]] const std::optional<TimeStamp>& first() const { return first_; }
-  /// True if the last text that was not read states a time zone unlike the first one, or reverse.
-  [[nodiscard]] bool zone_differs() const { return zone_differs_; }
-  [[nodiscard]] int decimals() const { return decimals_; }
-  [[nodiscard]] std::string pattern() const {
-    return format_.pattern.empty() ? stamp_pattern(first_text_, format_.order) : format_.pattern;
-  }
-
- private:
-  TimeFormat format_;
-  std::string first_text_;
-  std::optional<TimeStamp> first_, last_;
-  std::int64_t days_ = 0;
-  int decimals_ = 0;
-  bool zone_differs_ = false;
-};
 
 }  // namespace
 
@@ -499,7 +452,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
   for (std::size_t c = 0; wanted && c < reads.size(); ++c) reads[c] = wanted(table, c) ? 1 : 0;
   const TimeFormat format =
       stated_.time_format.empty() ? TimeFormat{} : *parse_time_format(stated_.time_format);
-  std::vector<std::optional<Stamps>> stamps(reads.size());
+  std::vector<std::optional<StampColumn>> stamps(reads.size());
   for (std::size_t c = 0; c < reads.size(); ++c) {
     if (reads[c] == 0) continue;
     table.columns[c].values.resize(starts_.size());
@@ -507,7 +460,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
     TimeFormat of_column = format;
     if (format.pattern.empty() && format.order == DayOrder::unknown)
       of_column.order = day_order(static_cast<int>(c));
-    stamps[c].emplace(of_column);
+    stamps[c].emplace(of_column, stated_.time_format);
   }
 
   const char separator = shape_.separator, decimal = shape_.decimal;
@@ -552,16 +505,11 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       const Place place = table.place(row, static_cast<int>(c));
       const std::string text = content(cell, place);
       if (stamps[c]) {
-        if (is_missing_value(text)) {
-          table.columns[c].values[row] = value;
-        } else if (!stamps[c]->read(text, table.columns[c].values[row])) {
-          if (stamps[c]->zone_differs())
-            fail(place, shown(text) + ": state the offset from UTC in all rows or in no row");
-          fail(place,
-               shown(text) + " is not a time stamp" +
-                   (stated_.time_format.empty() ? std::string(" like those above")
-                                                : " of the form \"" + stated_.time_format + "\""));
-        }
+        double& seconds = table.columns[c].values[row];
+        if (is_missing_value(text))
+          seconds = value;
+        else if (const std::string reason = stamps[c]->read(text, seconds); !reason.empty())
+          fail(place, shown(text) + reason);
         continue;
       }
       table.columns[c].values[row] = plain_number(text, place, table.columns[c]);
