@@ -108,17 +108,21 @@ Problem two_needles() {
 TEST(ModelExploration, SmcCutShortFindsAModeThatTheClimbsMissed) {
   const Problem problem = two_needles();
   ExplorationOptions options{.climbs = 2};
-  for (options.seed = 1; options.seed < 20; ++options.seed) {
-    if (survey_model(problem, 0, options).settled()) break;
+  int tries = 0, hits = 0;
+  for (options.seed = 1; options.seed < 60 && tries < 10; ++options.seed) {
+    ModelExploration found = survey_model(problem, 0, options);
+    if (!found.settled()) continue;  // the climbs found both modes
+    ++tries;
+    anneal_model(problem, 0, options, Annealing::brief, found);
+    EXPECT_TRUE(std::isnan(found.annealed.log_evidence)) << "it was not cut short";
+    EXPECT_LT(found.calls.anneal, 30000);
+    EXPECT_EQ(found.annealed_draws.cols(), 0) << "these are no draws of the posterior";
+    if (found.modes.size() != 2) continue;
+    ++hits;
+    EXPECT_NEAR(found.shares[0], 0.5, 0.05);
   }
-  ASSERT_LT(options.seed, 20U) << "no seed whose climbs miss a mode";
-  ModelExploration found = survey_model(problem, 0, options);
-  anneal_model(problem, 0, options, Annealing::brief, found);
-  EXPECT_TRUE(std::isnan(found.annealed.log_evidence)) << "it was not cut short";
-  EXPECT_LT(found.calls.anneal, 30000);
-  ASSERT_EQ(found.modes.size(), 2U);
-  EXPECT_NEAR(found.shares[0], 0.5, 0.05);
-  EXPECT_EQ(found.annealed_draws.cols(), 0) << "these are no draws of the posterior";
+  EXPECT_EQ(tries, 10) << "too few seeds whose climbs miss a mode";
+  EXPECT_GE(hits, 6);  // about five sixths of the seeds
 }
 
 TEST(ModelExploration, IsExactForAModelWithoutParameters) {
