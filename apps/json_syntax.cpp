@@ -59,9 +59,11 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
     return std::string("; remove the comma before the ") + here;
   for (const auto& [other, json] :
        {std::pair{"True", "true"}, std::pair{"False", "false"}, std::pair{"None", "null"},
-        std::pair{"yes", "true"}, std::pair{"no", "false"}, std::pair{"NaN", "null"},
-        std::pair{"nan", "null"}, std::pair{"NA", "null"}})
+        std::pair{"yes", "true"}, std::pair{"no", "false"}})
     if (word == other) return std::string("; write ") + json;
+  if (word == "NaN" || word == "nan" || word == "NA")
+    return ahead == ':' ? "; write a number, or leave out the key: JSON has no NaN"
+                        : "; write a number, or null for a mode not measured";
   // "length": 0,9 is parsed as a number, a comma, and a number in place of a key.
   if (is_digit(here) || here == '-') {
     const std::size_t comma = last_before(text, at);

@@ -51,7 +51,8 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     }
     data.origin = "given in the case";
   } else if (d.contains("file")) {
-    FrequencyCells cells{.columns = {}, .row = d.value("row", 1)};
+    FrequencyCells cells;
+    if (d.contains("row")) cells.row = d["row"].get<int>();
     for (const Json& c : d.value("columns", Json::array())) {
       cells.columns.push_back(c.is_string() ? c.get<std::string>() : c.dump());
     }
@@ -59,7 +60,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     data.frequencies_hz = std::move(table.frequencies_hz);
     if (!d.contains("cov") && !d.contains("sd")) data.sd_hz = std::move(table.sd_hz);
     data.origin = "from " + d["file"].get<std::string>() +
-                  (d.contains("columns") ? ", row " + std::to_string(cells.row) : "");
+                  (d.contains("columns") ? ", row " + std::to_string(cells.row.value_or(1)) : "");
   }
   if (!data.frequencies_hz.empty() && data.measured() == 0) {
     file.refuse(where, "no frequency is given");

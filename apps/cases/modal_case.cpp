@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/cases/records/free_decays.hpp"
 #include "apps/cases/records/modal_poles.hpp"
 #include "apps/cases/records/modal_units.hpp"
 #include "apps/cases/records/record_reading.hpp"
@@ -251,15 +252,8 @@ void read_responses(const CaseFile& file, SetUp& out) {
 }
 
 void cut_decays(const CaseFile& file, SetUp& out) {
-  const Pointer where = out.where / "decays";
-  for (std::size_t i = 0; i < file.json.at(where).size(); ++i) {
-    const Json& window = file.json.at(where)[i];
-    const Eigen::Index begin = window[0].get<int>(), end = window[1].get<int>();
-    if (begin >= end || end > out.records.cols())
-      file.refuse(where / i, "must be [first, one past the last] within the " +
-                                 base::grouped(out.records.cols()) + " samples of the record");
+  for (const auto& [begin, end] : parse_decays(file, out.where / "decays", out.records.cols()))
     out.decays.emplace_back(out.records.middleCols(begin, end - begin));
-  }
 }
 
 void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd& forces) {

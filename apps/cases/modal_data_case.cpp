@@ -198,7 +198,8 @@ class ModalDataParser {
     out_.origin = "given in the case";
     if (has("frequencies")) out_.frequencies_hz = numbers(json_.at("frequencies"));
     if (has("file")) {
-      FrequencyCells cells{.columns = {}, .row = json_.value("row", 1)};
+      FrequencyCells cells;
+      if (has("row")) cells.row = json_["row"].get<int>();
       for (const Json& c : json_.value("columns", Json::array()))
         cells.columns.push_back(text_or_number(c));
       FrequencyTable table =

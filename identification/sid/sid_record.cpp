@@ -22,6 +22,23 @@ constexpr int kFewestBeyond = 64;       // fewest samples after a window for pre
 constexpr double kUpsampledLoss = 3e-3;
 constexpr int kMostUpsampling = 16;
 
+/// True if one signal is the other times a factor plus an offset, within rounding errors.
+bool are_proportional(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double kAlikeSquared = 1.0 - 2e-9;
+  const auto n = static_cast<double>(a.size());
+  double mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    mean_a += a[i] / n;
+    mean_b += b[i] / n;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return ab * ab > kAlikeSquared * aa * bb;
+}
+
 class RecordTaker {
  public:
   RecordTaker(SidCase& out, const signals::Record& record, const RecordUse& use)
@@ -29,11 +46,13 @@ class RecordTaker {
 
   void take() {
     for (std::size_t i = 0; i < out_.channels.size(); ++i) columns_.push_back(find_column(i));
+    refuse_repeated_columns();
     read_rate();
     read_window();
     if (use_.band_limited) out_.stride = choose_stride();
     out_.beyond = samples_beyond();
     for (std::size_t i = 0; i < out_.channels.size(); ++i) load_channel(i);
+    if (!out_.simulated) refuse_copies();
     out_.integration.stride = out_.stride;
   }
 
@@ -150,6 +169,53 @@ class RecordTaker {
                            ": it has no information. Choose other samples, give the "
                            "channel the role \"ignore\", or repair its sensor",
                        static_cast<int>(i));
+  }
+
+  /// Rejects a column that is the response, or the force on one mass, in two channels: its data
+  /// would count twice.
+  void refuse_repeated_columns() const {
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const SidChannel &channel = out_.channels[i], &before = out_.channels[j];
+        if (columns_[i] != columns_[j] || channel.role != before.role) continue;
+        const std::string mass = "mass " + std::to_string(before.mass);
+        if (channel.role == Role::response)
+          throw InvalidInput(Part::channel,
+                             "the same column is the response of " + mass + " in channel " +
+                                 std::to_string(j) +
+                                 ", and its data would count twice: leave one "
+                                 "channel out",
+                             static_cast<int>(i));
+        if (channel.role == Role::force && channel.mass == before.mass)
+          throw InvalidInput(Part::channel,
+                             "the same column is the force on " + mass + " in channel " +
+                                 std::to_string(j) +
+                                 ", and the force would count twice: leave one "
+                                 "channel out, or state a factor as \"scale\"",
+                             static_cast<int>(i));
+      }
+  }
+
+  /// Rejects a copy of a response of the same quantity and mass, with any scale and offset, and a
+  /// copy of a force on the same mass.
+  void refuse_copies() const {
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const SidChannel &channel = out_.channels[i], &before = out_.channels[j];
+        if (channel.role != before.role || channel.mass != before.mass) continue;
+        const bool is_copy =
+            channel.role == Role::response
+                ? channel.quantity == before.quantity && channel.frame == before.frame &&
+                      are_proportional(channel.signal.samples, before.signal.samples)
+                : channel.role == Role::force && channel.signal.samples == before.signal.samples;
+        if (is_copy)
+          throw InvalidInput(
+              Part::channel,
+              "equals channel " + std::to_string(j) +
+                  (channel.role == Role::response ? " except for its scale and offset" : "") +
+                  ", and its data would count twice: leave one channel out",
+              static_cast<int>(i));
+      }
   }
 
   void load_channel(std::size_t i) {

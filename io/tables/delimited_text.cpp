@@ -341,7 +341,6 @@ void DelimitedText::drop_rows(int count) {
   starts_.erase(starts_.begin(), starts_.begin() + count);
   std::erase_if(skipped_, [&](int row) { return row <= count; });
   for (int& row : skipped_) row -= count;
-  std::erase_if(empty_, [&](const auto& line) { return line.second < number; });
   for (auto& line : empty_) line.first -= count;
   first_line_ = number;
 }

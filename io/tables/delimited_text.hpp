@@ -59,6 +59,12 @@ class DelimitedText {
   /// Line number of a row, from 1. For row = `rows()`, the result is the number of the line after
   /// the last row.
   [[nodiscard]] int line(int row) const;
+  /// Line number of the first empty line between the header and the last row, if there is one.
+  [[nodiscard]] std::optional<int> empty_line() const {
+    for (const auto& [row, number] : empty_)
+      if (number > header_line_ && row < rows()) return number;
+    return {};
+  }
   [[nodiscard]] const FoundLayout& layout() const { return layout_; }
   /// Converts a cell to a number, with the decimal mark of this text. The result is NaN for a
   /// missing value, and std::nullopt for other cells that are not numbers.

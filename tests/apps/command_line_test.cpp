@@ -309,6 +309,13 @@ TEST(CommandLine, BadEmulatorsEndWith65) {
   refuse(R"({"runs_csv":"short.csv"})", {"short.csv", "2"});
   refuse(R"({"runs_csv":"empty.csv"})", {"empty.csv"});
   refuse(R"({"runs_csv":"off.csv","interpolation":"gaussian-process"})", {"off.csv", "1.4"});
+  for (const auto& [names, words] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"run,f1 [Hz],f2 [Hz]", "\"run\" is neither a factor nor a numbered response"},
+           {"f1 [Hz],f2 [Hz],f4 [Hz]", "no number 3"},
+           {"f1 [Hz],f2 [Hz],f3 [mm]", "\"f3 [mm]\" must be one of Hz"}}) {
+    where.write("names.csv", "location[1] [m],reduction[1]," + names + "\n0.1,0.2,1,2,3\n");
+    refuse(R"({"runs_csv":"names.csv","interpolation":"gaussian-process"})", {words});
+  }
   expect_refusal(where,
                  "table " + design + " -o x.nc --set 'predictor={\"runs_csv\":\"none.csv\"}'", 66,
                  {"none.csv"});

@@ -451,6 +451,13 @@ TEST_F(ModalCommand, FreeDecays) {
   EXPECT_NEAR(modes["damping"][1].get<double>(), 0.01, 1e-3);
   c["record"]["decays"][1][1] = 2000;
   EXPECT_THAT(run(c).err, HasSubstr("/record/decays/1"));
+  for (const json& second : {json{0, 400}, json{399, 800}}) {  // would count samples twice
+    c["record"]["decays"][1] = second;
+    const Outcome twice = run(c);
+    EXPECT_EQ(twice.exit_code, 65);
+    EXPECT_THAT(twice.err, HasSubstr("/record/decays/1: "));
+    EXPECT_THAT(twice.err, HasSubstr("overlaps window 0"));
+  }
   c["record"].erase("decays");
   EXPECT_THAT(run(c).err, HasSubstr("/record/decays"));
   c = a_case();

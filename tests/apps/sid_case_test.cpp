@@ -314,6 +314,38 @@ TEST(SidCase, NamesLineAndColumnOfDamagedRecords) {
               testing::AllOf(HasSubstr("/record/channels/0/column"), HasSubstr("force [N]")));
 }
 
+// Fault: a column used twice counted its data, or its force, twice.
+TEST(SidCase, DataThatWouldCountTwiceAreRefused) {
+  const Workspace where;
+  std::string text = "force [N],other [N],d [m],copy [mm],velocity [m/s]\n";
+  for (int i = 0; i < 150; ++i) {
+    const double d = std::sin(0.7 * i) + std::cos(0.31 * i * i);
+    text += json(std::cos(0.2 * i)).dump() + "," + json(std::cos(0.3 * i)).dump() + "," +
+            json(d).dump() + "," + json(1000.0 * d + 5.0).dump() + "," + json(d).dump() + "\n";
+  }
+  where.write("record.csv", text);
+  json c = from_file("record.csv");
+  c["record"]["sample_rate"] = 100;
+  c["record"]["initial"] = "rest";
+  const json force = {{"column", "force"}, {"role", "force"}, {"mass", 1}};
+  const json response = {
+      {"column", "d"}, {"role", "response"}, {"mass", 1}, {"quantity", "displacement"}};
+  const auto said = [&](json third, const char* column) {
+    third["column"] = column;
+    c["record"]["channels"] = {force, response, third};
+    return refusal(where, c);
+  };
+  const std::string twice = "/record/channels/2/column: ";
+  EXPECT_THAT(said(response, "d"), AllOf(HasSubstr(twice), HasSubstr("response of mass 1")));
+  EXPECT_THAT(said(response, "3"), AllOf(HasSubstr(twice), HasSubstr("in channel 1")));
+  EXPECT_THAT(said(response, "copy"), AllOf(HasSubstr(twice), HasSubstr("equals channel 1")));
+  EXPECT_THAT(said(force, "force [N]"), AllOf(HasSubstr(twice), HasSubstr("force on mass 1")));
+  EXPECT_EQ(said(force, "other"), "not refused");
+  json other = response;
+  other["quantity"] = "velocity";
+  EXPECT_EQ(said(other, "velocity"), "not refused");
+}
+
 /// A record of 150 rows: 0.01 s, 2 N and about 3 mm per row (exactly in row 7), in the units of the
 /// header.
 json from_units(const Workspace& where, const std::string& header, double time, double force,

@@ -193,6 +193,29 @@ TEST_F(SubstructureDamage, Refusals) {
   refused(bad, "a substructure is a part of \"matrices\"");
 }
 
+// Faults: a negative mass passed, a matrix that is listed twice counted twice, and of two degrees
+// of freedom with the same name, only the first could be found.
+TEST_F(SubstructureDamage, InvalidMatricesAreRefused) {
+  given["data"]["frequencies"] = {2.0, 6.0};
+  json bad = given;
+  bad["structure"]["stiffness"]["upper"] = {"upper", "upper"};
+  refused(bad,
+          "/structure/stiffness/upper/1: \"upper\": this matrix is given in "
+          "/structure/stiffness/upper/0 already");
+  bad = given;
+  bad["structure"]["stiffness"]["upper"] = "lower.mtx";
+  refused(bad,
+          "/structure/stiffness/upper: \"lower.mtx\": this matrix is given in "
+          "/structure/stiffness/lower already");
+  bad = given;
+  bad["structure"]["dofs"] = "dofs.csv";
+  where.write("dofs.csv", "number,place,direction\n1,n2,x\n2,n2,y\n3,n3,x\n4,n2,x\n");
+  refused(bad, "line 5: place \"n2\" with direction \"x\" is listed in line 2 already");
+  where.write("model/M.mtx", header(2) + entry(1, 1, kMass) + entry(2, 2, -kMass));
+  refused(given,
+          "/structure/mass: \"M\": the mass matrix has a negative mass: entry (2, 2) = -1000");
+}
+
 // Simulated modes are validated like measured modes; messages show their values.
 TEST_F(SubstructureDamage, RefusesModesOfATruthThatMakeNoSense) {
   given["damage"]["truth"] = {{{"substructure", "middle"}, {"reduction", 0.3}}};

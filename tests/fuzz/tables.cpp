@@ -13,8 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const io::FileError&) {
   }
   try {
-    (void)emulator::parse_runs_csv(bytes, "fuzzed.csv",
-                                   {{.name = "x", .unit = "", .levels = {0.0, 1.0}}}, "f");
+    (void)emulator::parse_runs_csv(
+        bytes, "fuzzed.csv", {{.name = "x", .unit = "", .levels = {0.0, 1.0}}}, {.name = "f"});
   } catch (const io::FileError&) {
   }
   try {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,21 +13,28 @@ namespace wheeltap::apps {
 /// The cells of a CSV file that hold the frequencies.
 struct FrequencyCells {
   /// For a file with one test per row: names or 1-based numbers of the columns of modes 1, 2, …. If
-  /// the list is empty, the file has one mode per row, in a column "frequency" and optionally a
-  /// column "sd". Units in brackets are allowed. `wheeltap simulate` writes files of this form.
+  /// the list is empty, the file has one mode per row, in a column "frequency" and optionally the
+  /// columns "sd" and "mode" (or "number"). Units in brackets are allowed. `wheeltap simulate`
+  /// writes files of this form.
   std::vector<std::string> columns;
-  int row = 1;  ///< 1-based row of the test below the header; used with `columns`
+  /// 1-based row of the test below the header; used with `columns`. It may be left out if the file
+  /// has one row.
+  std::optional<int> row = {};
 };
 
 struct FrequencyTable {
-  std::vector<double> frequencies_hz;  ///< measured frequencies; NaN for an empty cell
+  std::vector<double> frequencies_hz;  ///< of modes 1, 2, …; NaN for a mode not measured
   std::vector<double> sd_hz;           ///< standard deviations; empty if the file has none
 };
 
 /// Parses frequencies in delimited text (io/tables/delimited_text.hpp) with a header line. `name`
-/// is the name of the file in messages. Throws Failure (65), with line and column, for a cell that
-/// is not a positive finite number, and for a missing row or column. Throws io::FileError (corrupt)
-/// for an invalid table.
+/// is the name of the file in messages. A column "mode" or "number" holds the numbers of the modes:
+/// increasing whole numbers. Without this column, the rows are modes 1, 2, ….
+///
+/// Throws Failure (65), with line and column, for a cell that is not a positive finite number, for
+/// a missing row or column, for mode numbers that do not increase, and where the number of a mode
+/// is unclear: for an empty line between the rows, and for another column of increasing whole
+/// numbers without a unit. Throws io::FileError (corrupt) for an invalid table.
 [[nodiscard]] FrequencyTable parse_frequency_csv(std::string bytes,
                                                  const std::filesystem::path& name,
                                                  const FrequencyCells& cells);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,6 +59,7 @@ std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
     columns.push_back(static_cast<std::size_t>(found - table.headers().begin()));
   }
   std::vector<bool> named(names.size(), false);
+  std::map<std::pair<std::string, std::string>, int> line_of;
   for (int row = 0; row < table.rows(); ++row) {
     const std::vector<std::string> cells = table.cells(row);
     const auto fail = [&](const std::string& reason) {
@@ -74,10 +76,35 @@ std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
     const auto dof = static_cast<std::size_t>(*number) - 1;
     if (named[dof]) fail("number " + cells[columns[0]] + " is listed twice");
     if (cells[columns[1]].empty()) fail("place must not be empty");
+    const auto [before, is_new] =
+        line_of.emplace(std::pair(cells[columns[1]], cells[columns[2]]), table.line(row));
+    if (!is_new)
+      fail("place \"" + cells[columns[1]] + "\" with direction \"" + cells[columns[2]] +
+           "\" is listed in line " + std::to_string(before->second) +
+           " already: give each degree of freedom its own place or direction");
     named[dof] = true;
     names[dof] = {cells[columns[1]], cells[columns[2]]};
   }
   return names;
+}
+
+/// Rejects a matrix that is named twice: the structure would contain its stiffness twice.
+void refuse_repeated_matrices(const CaseFile& file) {
+  std::map<std::string, Pointer> place_of;
+  const auto take = [&](const Pointer& where) {
+    std::string name = file.json.at(where).get<std::string>();
+    if (name.ends_with(".mtx")) name.resize(name.size() - 4);
+    const auto [before, is_new] = place_of.emplace(name, where);
+    if (!is_new)
+      file.refuse(where, "this matrix is given in " + before->second.to_string() +
+                             " already, and would count twice: name each matrix once");
+  };
+  take(kMatrixStructure / "mass");
+  for (const auto& [name, matrices] : file.json.at(kMatrixStructure / "stiffness").items()) {
+    const Pointer where = kMatrixStructure / "stiffness" / name;
+    if (matrices.is_string()) take(where);
+    for (std::size_t i = 0; matrices.is_array() && i < matrices.size(); ++i) take(where / i);
+  }
 }
 
 }  // namespace
@@ -92,6 +119,7 @@ StructureModel parse_matrices(const CaseFile& file) {
                               "({substructure: name or names})"));
   StructureParameters parameters(file);
   fem::MatrixStructure out;
+  refuse_repeated_matrices(file);
   out.mass = matrix_at(file, path, kMatrixStructure / "mass");
   for (const auto& [name, matrices] : s.at("stiffness").items()) {
     const Pointer where = kMatrixStructure / "stiffness" / name;

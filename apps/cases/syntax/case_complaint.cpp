@@ -437,7 +437,7 @@ class Examination {
       if (x == 0.0) list.emplace_back(nullptr);
       list.push_back(Json::array({value}));
       list.push_back(Json::array({Json::array({value})}));
-      list.emplace_back(text_or_number(value));
+      if (!accepts_numbers(rule)) list.emplace_back(text_or_number(value));
       if (x > 1.0 && x <= 100.0) list.emplace_back(x / 100.0);
       if (value.is_number_float() && std::abs(x) < 1e9) list.emplace_back(std::llround(x));
       if (x > 0.0) list.push_back(uniform_prior(Json::array({x / 2.0, x * 2.0})));
@@ -450,10 +450,17 @@ class Examination {
       list.push_back(pair);
       list.push_back(uniform_prior(pair));
       list.push_back(Json::array({value}));
-    } else if (value.is_boolean()) {
-      list.emplace_back(value.get<bool>() ? 1 : 0);
     }
     return list;
+  }
+
+  /// True if a rule accepts some numbers; a number that it rejects is then out of range.
+  bool accepts_numbers(const Json& reference) const {
+    const Json& rule = resolved(reference);
+    if (rule.contains("anyOf"))
+      return std::ranges::any_of(rule["anyOf"],
+                                 [&](const Json& one) { return accepts_numbers(one); });
+    return rule.contains("type") && (type_matches(rule, 1.5) || type_matches(rule, 1));
   }
 
   void collect_words(const Json& reference, std::vector<std::string>& words) const {

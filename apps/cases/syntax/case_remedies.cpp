@@ -20,19 +20,52 @@ std::string unknown_parameter(const std::string& text, const std::vector<std::st
                         : "");
 }
 
+namespace {
+
+/// The advice to write this prior; empty if it is not within the bounds.
+std::string prior_to_write(const CaseFile& file, const Pointer& where, const std::string& text,
+                           double lower, double upper) {
+  CaseFile changed = file;
+  changed.json[where] = Json::parse(text);
+  try {
+    const inference::Prior prior = parse_prior(changed, where);
+    if (!(prior.lower() >= lower && prior.upper() <= upper)) return {};
+  } catch (const Failure&) {
+    return {};
+  }
+  return "; write " + text;
+}
+
+/// An upper bound that is within the bounds when written with few digits. An open bound is the
+/// number next to it: 0.999 stands for the bound of [0, 1).
+double written_bound(double high, double low, double upper) {
+  if (!std::isfinite(high) || std::strtod(pasted(high).c_str(), nullptr) <= upper) return high;
+  constexpr double kShare = 1e-3;  // distance from an open bound
+  const double rounded = std::strtod(pasted(high).c_str(), nullptr);
+  return rounded - kShare * (std::isfinite(low) ? rounded - low : std::abs(rounded));
+}
+
+}  // namespace
+
 std::string kept_within(const CaseFile& file, const Pointer& where, double lower, double upper) {
   if (!file.json.contains(where) || !file.json.at(where).is_object()) return {};
   const inference::Prior prior = parse_prior(file, where);
   if (prior.lower() >= lower && prior.upper() <= upper) return {};
   const Json& given = file.json.at(where);
-  const double low = std::max(prior.lower(), lower), high = std::min(prior.upper(), upper);
-  const auto list = [](const std::string& family, const std::vector<double>& numbers) {
+  const double low = std::max(prior.lower(), lower);
+  const double high = written_bound(std::min(prior.upper(), upper), low, upper);
+  const auto numbers_of = [](const std::vector<double>& numbers) {
     std::string text;
     for (const double x : numbers) {
       if (!std::isfinite(x)) return std::string();
       text += (text.empty() ? "" : ", ") + pasted(x);
     }
-    return "; write {\"" + family + "\": [" + text + "]}";
+    return "[" + text + "]";
+  };
+  const auto list = [&](const std::string& family, const std::vector<double>& numbers) {
+    const std::string text = numbers_of(numbers);
+    if (text.empty()) return text;
+    return prior_to_write(file, where, "{\"" + family + "\": " + text + "}", lower, upper);
   };
   // A normal density has a probability below 1e-8 beyond six standard deviations.
   constexpr double kFar = 6.0;
@@ -53,6 +86,15 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
     return truncated(given["truncated_normal"][0].get<double>(),
                      given["truncated_normal"][1].get<double>());
   if (!(low < high)) return {};
+  if (given.contains("beta")) {
+    const std::string on = numbers_of({low, high});
+    return on.empty() ? on
+                      : prior_to_write(
+                            file, where,
+                            "{\"beta\": " + numbers_of(given["beta"].get<std::vector<double>>()) +
+                                ", \"on\": " + on + "}",
+                            lower, upper);
+  }
   if (given.contains("log_uniform")) return list("log_uniform", {low, high});
   return list("uniform", {low, high});
 }

@@ -14,8 +14,9 @@ namespace wheeltap::apps {
                                             const std::vector<std::string>& names);
 
 /// Advice to truncate the prior at `where` to [lower, upper], e.g. "; write {"truncated_normal":
-/// [50, 10, 0, 110]}". Either bound may be infinite. The result is empty if the prior is within the
-/// bounds.
+/// [50, 10, 0, 110]}". Either bound may be infinite. The advised prior is within the bounds, also
+/// with the few digits of the advice. The result is empty if the prior is within the bounds, and if
+/// no prior of this kind is.
 [[nodiscard]] std::string kept_within(const CaseFile& file, const Pointer& where, double lower,
                                       double upper);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include "emulator/runs_csv.hpp"
 #include "identification/emulation/frequency_tables.hpp"
 #include "identification/emulation/interpolants.hpp"
+#include "signals/units.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -79,7 +81,17 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
          .levels = {},
          .scale = spec.compliance ? emulator::Scale::compliance : emulator::Scale::linear});
   }
-  Table table = emulator::read_runs_csv(file, columns, "frequency");
+  using signals::Dimension;
+  const auto in_hz = [](const io::Column& column) -> std::optional<double> {
+    const auto found = signals::conversion_of(signals::unit_of(column), Dimension::frequency);
+    if (found.basis == signals::Conversion::Basis::foreign) return std::nullopt;
+    return found.factor;
+  };
+  Table table = emulator::read_runs_csv(file, columns,
+                                        {.name = "frequency",
+                                         .factor = in_hz,
+                                         .unit = "Hz",
+                                         .units = signals::known_units(Dimension::frequency)});
   const auto refuse = [&](const std::string& what) {
     throw io::FileError(io::FileError::Kind::corrupt, file, what);
   };
@@ -93,7 +105,6 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
                        : "a reduction lies in [0, 1)"));
     }
   }
-  table.response_unit = "Hz";
   const auto names = factors(
       count, [](int) { return std::vector<double>(); }, {}, false);
   const auto rename = [&](Table& t) {
