@@ -18,8 +18,8 @@ constexpr int kSettling = 500;     // burn-in iterations
 constexpr int kLadderScans = 620;  // number of scans if proposals were fitted before
 constexpr int kMaxDraws = 200000;
 // Share of a model's draws outside its mixture above which the mixture is fitted to the draws and
-// the draws are repeated. The limit is lower than that of the diagnosis, because a run often
-// converges after this fit.
+// the draws are repeated. The limit is lower than that of the diagnosis (which is used if an
+// evaluation is expensive), because a run often converges after this fit.
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
 constexpr int kScansTogether = 256;          // draws between two progress reports
@@ -385,7 +385,8 @@ void sample(RunContext& run, RunState& state) {
     const bool enough = may_stop(posterior, options.balance);
     if (options.moves.independence && !posterior.tempered_draws && !options.prior_only &&
         state.at.refits < (enough ? 1 : kMostRefits) &&
-        (share_outside_mixtures(posterior) > kWorthRefitting ||
+        (share_outside_mixtures(posterior) >
+             (run.problem.costly ? kLimits.beyond_share : kWorthRefitting) ||
          std::ranges::any_of(posterior.found, [](const ModelFindings& found) {
            return lacks_annealed(found, kWorthFollowing);
          }))) {
