@@ -342,11 +342,14 @@ void parse_extent(const CaseFile& file, const Pointer& where, double most,
                   identification::DefectKind& kind) {
   const Json& b = file.json.at(where);
   if (!b.contains("extent")) return;
-  if (b["extent"].is_number()) kind.extent = b["extent"].get<double>();
+  const std::string allowed =
+      "an extent lies in [0, " + Json(most).dump() + "] m, up to the member's length";
+  if (b["extent"].is_number()) {
+    kind.extent = b["extent"].get<double>();
+    if (*kind.extent > most) file.refuse(where / "extent", allowed);
+  }
   if (b["extent"].is_object())
-    kind.extent_prior = bounded_prior(
-        file, where / "extent", 0.0, most,
-        "an extent lies in [0, " + Json(most).dump() + "] m, up to the member's length");
+    kind.extent_prior = bounded_prior(file, where / "extent", 0.0, most, allowed);
 }
 
 double true_extent(const CaseFile& file, const Pointer& where, const DefectKind& kind) {
@@ -359,6 +362,8 @@ double true_extent(const CaseFile& file, const Pointer& where, const DefectKind&
   if (!d.contains("extent") || !d["extent"].is_number())
     file.refuse(where / "extent", "is missing: must be a number");
   if (!(d["extent"].get<double>() > 0.0)) file.refuse(where / "extent", "must be positive");
+  if (const double length = kind.line.length(); d["extent"].get<double>() > length)
+    file.refuse(where / "extent", "must be at most " + Json(length).dump() + " m");
   return d["extent"].get<double>();
 }
 

@@ -9,6 +9,9 @@ namespace wheeltap::apps {
 namespace {
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
+  if (options.shapes && !options.json)
+    throw Failure(Exit::usage,
+                  "modes: --shapes needs --json: only this output has mode shapes; add --json");
   const FoundModes found = find_modes(read_case(common.case_path, common.overrides), options);
   warn_of(found.doubts);
   std::cout << (options.json ? found.report.dump() + "\n" : found.text);

@@ -67,6 +67,7 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
   expect_refusal(where, "damage " + c + " -o x --evidence=tmcm", 64, {"tmcm", "tmcmc, bridge"});
   expect_refusal(where, "damage " + c + " -o x --prior-only --evidence", 64,
                  {"--prior-only", "--evidence"});
+  expect_refusal(where, "modes " + c + " --shapes", 64, {"--shapes needs --json"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
   const std::string endless(100000, '7');
   for (std::size_t shift = 0; shift < 3; ++shift) {  // one of them would split a character

@@ -79,8 +79,11 @@ TEST(Extent, WhatCannotBeIsRefused) {
               HasSubstr("/damage/extent"));
   EXPECT_THAT(refused(with_extent(json::parse(R"({"uniform": [-0.1, 0.5]})"))),
               HasSubstr("/damage/extent"));
+  EXPECT_THAT(refused(with_extent(1.5)), HasSubstr("/damage/extent: 1.5: an extent lies in [0, 1"));
   json c = with_extent(json::parse(R"({"uniform": [0.0, 0.5]})"));
   c["data"] = {{"cov", 0.01}, {"modes", 3}};
+  c["damage"]["truth"] = {{{"location", 0.42}, {"reduction", 0.3}, {"extent", 1.5}}};
+  EXPECT_THAT(refused(c), HasSubstr("/damage/truth/0/extent: 1.5: must be at most 1"));
   c["damage"]["truth"] = {{{"location", 0.42}, {"reduction", 0.3}}};
   EXPECT_THAT(refused(c), HasSubstr("/damage/truth/0/extent: is missing"));
   c["damage"]["truth"][0]["extent"] = 0.2;

@@ -432,5 +432,29 @@ TEST(StructureStarters, OthersAreRefused) {
             64);
 }
 
+// Fault: near a hinge, rounding errors made the mass of the joint's rotation negative, and the
+// program stopped with "lost mass: exceeds the mass of the structure".
+TEST(FoundStructureModes, ALooseJointTendsToAHinge) {
+  const Workspace where;
+  json frame = portal_frame();
+  frame.erase("baseline");
+  for (json& member : frame["structure"]["members"]) member.erase("ends");
+  frame["data"] = {{"cov", 0.002}, {"modes", 3}};
+  frame["damage"] = frame["damage"][1];
+  const auto found = [&](double reduction) {
+    frame["damage"]["truth"] = {{{"node", "B"}, {"reduction", reduction}}};
+    const Outcome ran = wheeltap(
+        where, "modes --truth --json --modes 6 " + where.write_json("f.json", frame).string());
+    EXPECT_EQ(ran.exit_code, 0) << reduction << ran.err;
+    return ran.exit_code == 0 ? json::parse(ran.out)["frequencies_hz"].get<std::vector<double>>()
+                              : std::vector<double>(6, 0.0);
+  };
+  const auto nearly = found(0.99999);
+  for (const double reduction : {0.999999, 0.9999999}) {
+    const auto hinged = found(reduction);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(hinged[i] / nearly[i], 1.0, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

@@ -226,6 +226,31 @@ TEST(StatesCase, AnUpdateOfSeveralStates) {
               1e-3);
 }
 
+// Fault: the message on a known mass of -2.5 named a prior that is not in the case.
+TEST(StatesCase, KnownValuesOutOfRangeAreErrorsOfTheirState) {
+  const Workspace where;
+  json c = json::parse(R"({"kind": "update",
+    "structure": {"chain": {"masses": ["m"], "links": [{"between": [0, 1], "stiffness": "k"}]}},
+    "parameters": {"k": {"log_normal": [7.17, 0.3]}},
+    "data": {"cov": 0.01, "states": [{"known": {"m": 2}, "frequencies": [4]},
+                                     {"known": {"m": -2.5}, "frequencies": [5]}]}})");
+  const auto said = [&](double mass) -> std::string {
+    c["data"]["states"][1]["known"]["m"] = mass;
+    try {
+      static_cast<void>(parse_update_case(read_case(where.write_json("c.json", c))));
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.exit(), Exit::bad_input);
+      return failure.what();
+    }
+    return "";
+  };
+  for (const double mass : {-2.5, 0.0})
+    EXPECT_THAT(said(mass), HasSubstr("/data/states/1/known/m: " + json(mass).dump() +
+                                      ": must be positive: it is the value of "
+                                      "/structure/chain/masses/0"));
+  EXPECT_EQ(said(1.5), "");
+}
+
 // Parameters may set node positions.
 TEST(StatesCase, PlacesOfNodes) {
   const Workspace where;

@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "base/random.hpp"
+#include "program.hpp"
+#include "structure_cases.hpp"
 
 namespace wheeltap::apps::summary_test {
 
@@ -327,6 +329,24 @@ TEST(Summary, NumbersForPeople) {
   EXPECT_EQ(significant(350.0, 2), "350");  // seconds: was "3.5e+02"
   EXPECT_EQ(significant(3.5e7, 2), "3.5e7");
   EXPECT_EQ(p_value(0.0), "p < 1e-15");  // was "p 0"
+}
+
+// Fault: a warning named the location on the line of all nodes, which no result contains.
+TEST(Summary, WarningsNameTheNodeOfAJoint) {
+  const Workspace where;
+  nlohmann::json frame = portal_frame();
+  for (const char* key : {"baseline", "parameters"}) frame.erase(key);
+  frame["structure"]["materials"]["steel"]["young"] = 210e9;
+  frame["data"] = {{"cov", 0.5}, {"modes", 2}};
+  frame["damage"] = frame["damage"][1];
+  frame["damage"]["truth"] = {{{"node", "B"}, {"reduction", 0.3}}};
+  const Outcome ran = wheeltap(where, "damage " + where.write_json("f.json", frame).string() +
+                                          " -o " + (where / "f").string() + " --quick --threads 1");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto summary = nlohmann::json::parse(read_all(where / "f/summary.json"));
+  const std::string warnings = summary["diagnostics"]["warnings"].dump();
+  EXPECT_THAT(warnings, HasSubstr("node[1]"));
+  EXPECT_THAT(warnings, Not(HasSubstr("location[1]")));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/cases/states_case.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/law_words.hpp"
 
@@ -21,11 +22,13 @@ StructureParameters::StructureParameters(const CaseFile& file) : file_(file) {
 Coefficient StructureParameters::coefficient(const Pointer& where, const Bounds& bounds) {
   const Json& value = file_.json.at(where);
   const std::string must = std::string("must be ") + bounds.words;
+  const auto is_inside = [&](double x) {
+    return bounds.open ? x > bounds.lower && x < bounds.upper
+                       : x >= bounds.lower && x <= bounds.upper;
+  };
   if (value.is_number()) {
     const double x = value.get<double>();
-    const bool inside =
-        bounds.open ? x > bounds.lower && x < bounds.upper : x >= bounds.lower && x <= bounds.upper;
-    if (!inside) file_.refuse(where, must);
+    if (!is_inside(x)) file_.refuse(where, must);
     return {.nominal = x};
   }
   if (!value.is_string()) file_.refuse(where, "must be a number, or the name of a parameter");
@@ -42,8 +45,15 @@ Coefficient StructureParameters::coefficient(const Pointer& where, const Bounds&
     file_.refuse(of_prior, reaches + ", but " + where.to_string() + " " + must +
                                kept_within(file_, of_prior, bounds.lower, bounds.upper));
   };
-  if (prior.lower() < bounds.lower) refuse_prior("reaches down to " + plain_number(prior.lower()));
-  if (prior.upper() > bounds.upper) refuse_prior("reaches up to " + plain_number(prior.upper()));
+  const std::vector<Pointer> known = known_places(file_, name);
+  for (const Pointer& place : known)
+    if (!is_inside(file_.json.at(place).get<double>()))
+      file_.refuse(place, must + ": it is the value of " + where.to_string());
+  // The prior of a known coefficient is the range of its values.
+  if (known.empty() && prior.lower() < bounds.lower)
+    refuse_prior("reaches down to " + plain_number(prior.lower()));
+  if (known.empty() && prior.upper() > bounds.upper)
+    refuse_prior("reaches up to " + plain_number(prior.upper()));
   const auto p = found - parameters_.begin();
   used_[static_cast<std::size_t>(p)] = true;
   return {.nominal = prior.from_standard_normal(0.0), .parameter = static_cast<int>(p)};

@@ -126,11 +126,14 @@ Discretisation::Sparse changed_mass(const Discretisation& d, const StructureChan
   return d.mass + extra;
 }
 
-/// True if any motion has a negative mass, from the signs of D in M + ε diag M = L D Lᵀ.
-bool has_negative_mass(const Discretisation::Sparse& mass) {
+/// True if any motion has a negative mass, from the signs of D in M + ε diag (M + M₀) = L D Lᵀ. The
+/// shift is relative to the mass M₀ before the change, because the rounding errors of M are: the
+/// rotation of a joint that is nearly a hinge loses nearly all of its mass.
+bool has_negative_mass(const Discretisation::Sparse& mass, const Eigen::VectorXd& before) {
   constexpr double kShift = 1e-12;
   std::vector<Eigen::Triplet<double>> entries;
-  const Eigen::VectorXd diagonal = mass.diagonal();
+  const Eigen::VectorXd diagonal =
+      mass.diagonal() + kShift * (before + mass.diagonal().cwiseMax(0.0));
   if (diagonal.minCoeff() < 0.0) return true;
   std::vector<int> place(index(mass.rows()), -1);
   int n = 0;
@@ -140,7 +143,7 @@ bool has_negative_mass(const Discretisation::Sparse& mass) {
     for (Discretisation::Sparse::InnerIterator it(mass, k); it; ++it)
       if (place[index(it.row())] >= 0 && place[index(it.col())] >= 0)
         entries.emplace_back(place[index(it.row())], place[index(it.col())],
-                             it.value() * (it.row() == it.col() ? 1.0 + kShift : 1.0));
+                             it.row() == it.col() ? diagonal[it.row()] : it.value());
   Discretisation::Sparse shifted(n, n);
   shifted.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Discretisation::Sparse> ldlt(shifted);
@@ -151,7 +154,8 @@ bool has_negative_mass(const Discretisation::Sparse& mass) {
 
 void require_mass_left(const Discretisation& d, const StructureChange& change) {
   const auto lost = [](const StructureChange::Mass& m) { return m.mass < 0.0; };
-  if (std::ranges::any_of(change.masses, lost) && has_negative_mass(changed_mass(d, change)))
+  if (std::ranges::any_of(change.masses, lost) &&
+      has_negative_mass(changed_mass(d, change), d.mass.diagonal()))
     throw ImpossibleChange("lost mass: exceeds the mass of the structure");
 }
 

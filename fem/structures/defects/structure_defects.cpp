@@ -70,7 +70,9 @@ class Gathered {
     const double xi = std::clamp((at - element.from) / (element.to - element.from), 0.0, 1.0);
     const Eigen::Vector2d v = moment(e, xi, along_z);
     const int b = strain_index(along_z);
-    flexibility(e).block<2, 2>(b, b) += compliance * v * v.transpose();
+    flexibility(e);  // an entry without hinges
+    hinged_.try_emplace(e, Flexibility::Zero()).first->second.block<2, 2>(b, b) +=
+        compliance * v * v.transpose();
     hinges_.push_back({e, along_z, xi, compliance, v});
   }
 
@@ -87,7 +89,9 @@ class Gathered {
   [[nodiscard]] std::vector<StructureChange::Softening> softenings() {
     for (const auto& [e, list] : stretches_) add_stretches(e, list);
     std::vector<StructureChange::Softening> out;
-    for (const auto& [e, added] : added_) {
+    for (const auto& [e, without_hinges] : added_) {
+      Flexibility added = without_hinges;
+      if (const auto hinges = hinged_.find(e); hinges != hinged_.end()) added += hinges->second;
       const auto& strains = mesh_.elements()[index(e)].strains;
       // By blocks: axial, (moment, shear) along z, torsion, (moment, shear) along y.
       for (const auto& [first, size] : {std::pair{0, 1}, {1, 2}, {3, 1}, {4, 2}}) {
@@ -157,15 +161,25 @@ class Gathered {
     if (!(bending.mass > 0.0) || moment_row < 0 || shear_row < 0) return;
     const TimoshenkoElement<double> shapes(bending);
     const Eigen::Matrix4d mass = shapes.mass();
-    // Rotations θ = P B u of the hinges, the vector m of each hinge, and G = ∫ g_i g_j.
+    // Rotations θ = P B u of the hinges, the vector m of each hinge, and G = ∫ g_i g_j. With the
+    // compliances C and the moments V of the hinges and the flexibility F of the element without
+    // them, P = C Vᵀ (F + V C Vᵀ)⁻¹ = (C⁻¹ + Vᵀ F⁻¹ V)⁻¹ Vᵀ F⁻¹. The second form has no
+    // cancellation for large compliances.
     const auto n = static_cast<Eigen::Index>(hinges.size());
     const Eigen::Matrix2d flexible =
         Eigen::Matrix2d::Identity() + flexibility(e).block<2, 2>(at, at);
-    Eigen::MatrixXd p(n, 2), m(n, 4), g(n, n);
+    Eigen::MatrixXd v(2, n), stiffness = Eigen::MatrixXd::Zero(n, n), m(n, 4), g(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Hinge& hinge = *hinges[static_cast<std::size_t>(i)];
+      v.col(i) = hinge.v;
+      stiffness(i, i) = 1.0 / hinge.compliance;
+    }
+    const Eigen::MatrixXd eased = flexible.inverse() * v;
+    stiffness += v.transpose() * eased;
+    const Eigen::MatrixXd p = stiffness.ldlt().solve(eased.transpose());
     std::vector<Eigen::Vector4d> f, d;
     for (Eigen::Index i = 0; i < n; ++i) {
       const Hinge& hinge = *hinges[static_cast<std::size_t>(i)];
-      p.row(i) = (hinge.compliance * flexible.inverse() * hinge.v).transpose();
       const double rest = 1.0 - hinge.xi;
       d.emplace_back(0.0, 0.0, l * rest, 1.0);
       Eigen::Vector4d load = Eigen::Vector4d::Zero();
@@ -277,7 +291,8 @@ class Gathered {
 
   const Mesh& mesh_;
   std::map<int, std::vector<Stretch>> stretches_;
-  std::map<int, Flexibility> added_;
+  std::map<int, Flexibility> added_;   // by reductions
+  std::map<int, Flexibility> hinged_;  // by hinges
   std::vector<Hinge> hinges_;
 };
 

@@ -412,12 +412,16 @@ void split_locations(const UnpackedDraws& draws, std::vector<ModelFinding>& mode
       const std::size_t at = site.label.rfind(p.unknown.name);
       if (at != std::string::npos) site.label.replace(at, p.unknown.name.size(), site.name);
       site.unit = "1";
-      split.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
-                                          return static_cast<double>(spot.site);
-                                        })});
-      if (kind.type->sites == DefectType::Sites::members)
+      const bool on_members = kind.type->sites == DefectType::Sites::members;
+      split.push_back({.unknown = site,
+                       .estimate = of_spot([](const SiteLine::Spot& spot) {
+                         return static_cast<double>(spot.site);
+                       }),
+                       .prior_overlap = on_members ? kNaN : p.prior_overlap});
+      if (on_members)
         split.push_back({.unknown = p.unknown,
-                         .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
+                         .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; }),
+                         .prior_overlap = p.prior_overlap});
     }
     models[m].parameters = std::move(split);
   }
@@ -571,8 +575,8 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   }
   if (problem.states() != nullptr) out.baseline = baseline_findings(problem, posterior);
   out.remarks = std::move(remarks);
-  conclude(out, draws.space(), evidence);
   if (damage_case.structure) split_locations(draws, out.models);
+  conclude(out, draws.space(), evidence);
   return out;
 }
 
