@@ -58,9 +58,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
     if (const auto from = what.find(": ", what.find("column")); from != std::string::npos) {
       what = what.substr(from + 2);
     }
-    const bool nan = text_.find("NaN") != std::string_view::npos;
     refuse(":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what +
-           (nan ? " (JSON has no NaN; write null for a mode not measured)" : "") +
            syntax_remedy(text_, at > 0 ? at - 1 : 0));
   }
 

@@ -149,7 +149,7 @@ std::string pasted(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.15g", value);
   const double size = std::abs(value);
-  if (!(size >= 1e6 || (size > 0.0 && size < 1e-4))) return text;
+  if (!(size >= 1e6 || (size > 1e-300 && size < 1e-4))) return text;
   const int power = static_cast<int>(std::floor(std::log10(size) / 3.0 + 1e-12)) * 3;
   std::snprintf(text, sizeof text, "%.15ge%d", value / std::pow(10.0, power), power);
   return text;

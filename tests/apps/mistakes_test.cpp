@@ -226,7 +226,7 @@ std::vector<Mistake> mistakes() {
        "/damage/reduction",
        {{"uniform", {0, 60}}},
        "/damage/reduction",
-       "write {\"uniform\": [0, 1]}"},
+       "write {\"uniform\": [0, 0.999]}"},
       {"a location beyond the beam",
        damage,
        beam,

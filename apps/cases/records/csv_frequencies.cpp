@@ -192,9 +192,8 @@ std::string frequency_unit(const io::Column& column) {
   if (const std::string unit = signals::unit_of(column); !unit.empty())
     return is_frequency(unit) ? unit : "";
   const std::string last = column.name.substr(column.name.find_last_of("_ ./") + 1);
-  for (const std::string& unit : {last, last == "hz" ? "Hz" : last == "khz" ? "kHz" : last})
-    if (last != column.name && is_frequency(unit)) return unit;
-  return "";
+  const std::string unit = last == "hz" ? "Hz" : last == "khz" ? "kHz" : last;
+  return last != column.name && is_frequency(unit) ? unit : "";
 }
 
 /// Rejects a file without a column "frequency". One column of frequencies is one mode per row; with
