@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "apps/cases/modal_data_case.hpp"
+#include "apps/cases/structures/state_places.hpp"
 #include "apps/nearest.hpp"
 #include "base/constants.hpp"
 #include "fem/structures/mesh.hpp"
@@ -26,22 +27,6 @@ using KeyList = std::initializer_list<const char*>;
 
 bool has_any(const Json& block, KeyList keys) {
   return std::ranges::any_of(keys, [&](const char* key) { return block.contains(key); });
-}
-
-std::vector<Pointer> blocks(const CaseFile& file) {
-  std::vector<Pointer> out;
-  for (const Pointer& where : {kBaseline, kData})
-    if (file.json.contains(where) && file.json.at(where).is_object()) out.push_back(where);
-  return out;
-}
-
-/// The places of the states in a block; without states, the place of the block itself.
-std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
-  const Json& block = file.json.at(where);
-  if (!block.contains("states")) return {where};
-  std::vector<Pointer> out;
-  for (std::size_t i = 0; i < block["states"].size(); ++i) out.push_back(where / "states" / i);
-  return out;
 }
 
 /// Adds the keys of a block to a state; keys of the state take precedence.
@@ -234,7 +219,7 @@ void parse_temperature(const CaseFile& file, const StructureModel& model,
 
 bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
-  for (const Pointer& where : blocks(file)) {
+  for (const Pointer& where : state_blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
     // Only the likelihood of states integrates over stiffness errors of parts.
     const Json discrepancy = file.json.at(where).value("discrepancy", Json());
@@ -251,8 +236,8 @@ bool has_states(const CaseFile& file) {
 CaseFile with_known(const CaseFile& file) {
   CaseFile out = file;
   std::map<std::string, std::pair<double, double>> range;
-  for (const Pointer& block : blocks(file))
-    for (const Pointer& where : places(file, block)) {
+  for (const Pointer& block : state_blocks(file))
+    for (const Pointer& where : state_places(file, block)) {
       const Json& state = file.json.at(where);
       if (!state.contains("known")) continue;
       for (const auto& [name, value] : state.at("known").items()) {
@@ -273,23 +258,14 @@ CaseFile with_known(const CaseFile& file) {
   return out;
 }
 
-std::vector<Pointer> known_places(const CaseFile& file, const std::string& name) {
-  std::vector<Pointer> out;
-  for (const Pointer& block : blocks(file))
-    for (const Pointer& state : places(file, block))
-      if (const Pointer where = state / "known" / name; file.json.contains(where))
-        out.push_back(where);
-  return out;
-}
-
 ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const StructureModel> model,
                             bool damage, const SimulatedModes* simulated) {
   CaseFile file = given;
   std::vector<Pointer> where;
   std::vector<std::string> names;
-  for (const Pointer& block : blocks(given)) {
+  for (const Pointer& block : state_blocks(given)) {
     if (block == kBaseline && !damage) continue;
-    const std::vector<Pointer> of_block = places(given, block);
+    const std::vector<Pointer> of_block = state_places(given, block);
     const std::string name = !damage ? "state" : block == kBaseline ? "healthy" : "damaged";
     for (std::size_t i = 0; i < of_block.size(); ++i) {
       Json& state = file.json[of_block[i]];

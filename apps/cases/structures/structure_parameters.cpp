@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/cases/states_case.hpp"
+#include "apps/cases/structures/state_places.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/law_words.hpp"
 
