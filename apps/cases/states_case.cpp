@@ -255,15 +255,6 @@ CaseFile with_known(const CaseFile& file) {
   return out;
 }
 
-std::vector<Pointer> known_places(const CaseFile& file, const std::string& name) {
-  std::vector<Pointer> out;
-  for (const Pointer& block : blocks(file))
-    for (const Pointer& state : places(file, block))
-      if (const Pointer where = state / "known" / name; file.json.contains(where))
-        out.push_back(where);
-  return out;
-}
-
 ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const StructureModel> model,
                             bool damage, const SimulatedModes* simulated) {
   CaseFile file = given;

@@ -19,9 +19,6 @@ struct SimulatedModes;
 /// /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
-/// The places of the values that the states give to the coefficient `name` ("known").
-[[nodiscard]] std::vector<Pointer> known_places(const CaseFile& file, const std::string& name);
-
 /// Parses the states at /data. With `damage`, it also parses the states of the healthy structure at
 /// /baseline/data. `simulated` replaces the modes at /data. Throws Failure,
 /// identification::InvalidInput.

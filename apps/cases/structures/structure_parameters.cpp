@@ -3,13 +3,32 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/cases/states_case.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/law_words.hpp"
 
 namespace wheeltap::apps {
 
 using identification::AnyStructure;
+
+namespace {
+
+/// The places of the values that the states of the case give to a coefficient.
+std::vector<Pointer> known_places(const CaseFile& file, const std::string& name) {
+  std::vector<Pointer> out;
+  const auto take = [&](const Pointer& state) {
+    const Pointer where = state / "known" / name;
+    if (file.json.contains(where)) out.push_back(where);
+  };
+  for (const char* const data : {"/baseline/data", "/data"}) {
+    const Pointer block(data), states = block / "states";
+    take(block);
+    if (!file.json.contains(states) || !file.json.at(states).is_array()) continue;
+    for (std::size_t i = 0; i < file.json.at(states).size(); ++i) take(states / i);
+  }
+  return out;
+}
+
+}  // namespace
 
 StructureParameters::StructureParameters(const CaseFile& file) : file_(file) {
   const Json priors = file.json.value("parameters", Json::object());
