@@ -320,9 +320,7 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
       unit_cells = names_in(without_comment_mark(units->text), shape_.separator, shape_.columns);
   }
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    std::string name = in_utf8(cells[c]);
-    if (name.empty()) name = std::to_string(c + 1);
-    Column column = column_of_header(name);
+    Column column = column_of_header(cells[c].empty() ? std::to_string(c + 1) : in_utf8(cells[c]));
     if (c < unit_cells.size() && column.unit.empty()) {
       std::string unit = in_utf8(unit_cells[c]);
       for (const std::string_view brackets : {"[]", "()"})
