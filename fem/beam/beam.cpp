@@ -86,7 +86,7 @@ bool is_mirror_symmetric(const Beam& beam) {
   };
   return std::ranges::all_of(holds, [&](const Hold& h) {
     const double here = total(h.at, h.rotation), there = total(beam.length - h.at, h.rotation);
-    return here == there || std::abs(here - there) <= 1e-12 * here;
+    return here == there || (std::isfinite(here) && std::abs(here - there) <= 1e-12 * here);
   });
 }
 
