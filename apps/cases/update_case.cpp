@@ -15,11 +15,11 @@ using namespace identification;
 
 namespace {
 
-const Pointer kUpdateData("/data"), kTruth("/truth");
+const Pointer kUpdateData("/data"), kUpdateTruth("/truth");
 
 /// "cv" is an alias of "cov" in a case.
 void accept_update_cv(CaseFile& file) {
-  std::vector<Pointer> places = {kUpdateData, kTruth, kUpdateData / "discrepancy"};
+  std::vector<Pointer> places = {kUpdateData, kUpdateTruth, kUpdateData / "discrepancy"};
   if (file.json.contains(kUpdateData / "states") && file.json.at(kUpdateData / "states").is_array())
     for (std::size_t i = 0; i < file.json.at(kUpdateData / "states").size(); ++i)
       places.push_back(kUpdateData / "states" / i);
@@ -36,7 +36,7 @@ void accept_update_cv(CaseFile& file) {
 }
 
 void parse_truth(const CaseFile& f, UpdateCase& out) {
-  const Json& truth = f.json.at(kTruth);
+  const Json& truth = f.json.at(kUpdateTruth);
   ModalSimulation simulation{.parameters = {},
                              .modes = truth.value("modes", 5),
                              .cov = truth.value("cov", 0.0),
@@ -45,16 +45,16 @@ void parse_truth(const CaseFile& f, UpdateCase& out) {
   const Json& values = truth.at("parameters");
   for (const auto& parameter : out.structure->parameters) {
     if (!values.contains(parameter.name))
-      f.refuse(kTruth / "parameters" / parameter.name,
+      f.refuse(kUpdateTruth / "parameters" / parameter.name,
                "is missing: the truth needs a value of every parameter");
     simulation.parameters.push_back(values[parameter.name].get<double>());
   }
   for (const auto& [name, ignored] : values.items())
     if (std::ranges::find(out.structure->parameters, name, &inference::Parameter::name) ==
         out.structure->parameters.end())
-      f.refuse(kTruth / "parameters" / name, "no parameter has this name");
+      f.refuse(kUpdateTruth / "parameters" / name, "no parameter has this name");
   if (simulation.shape_sd > 0.0 && out.data.sensors.empty())
-    f.refuse(kTruth / "shape_sd", "needs \"sensors\" in data");
+    f.refuse(kUpdateTruth / "shape_sd", "needs \"sensors\" in data");
   out.simulation = std::move(simulation);
 }
 
@@ -71,7 +71,7 @@ void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   const double stated =
       data.contains("cov") && data["cov"].is_number() ? data["cov"].get<double>() : truth.cov;
   if (!(stated > 0.0) && !out.data.cov_prior)
-    f.refuse(kTruth / "cov",
+    f.refuse(kUpdateTruth / "cov",
              "is missing: give the uncertainty of the frequencies, here or in data");
   out.data.covariance.resize(0, 0);
   out.data.shapes.resize(0, 0);
@@ -81,7 +81,7 @@ void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   } catch (const fem::InvalidStructure& error) {
     refuse_structure(f, out.structure->nominal, error);
   } catch (const std::invalid_argument& error) {
-    f.refuse(kTruth, error.what());
+    f.refuse(kUpdateTruth, error.what());
   }
   const Eigen::Index n = out.data.modes();
   out.data.covariance = Eigen::MatrixXd::Zero(n, n);
@@ -114,7 +114,7 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
     if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
       refuse(kUpdateData / "predict", out.data.modes() + out.data.predict);
     if (out.simulation && out.simulation->modes > most) {
-      if (f.json.at(kTruth).contains("modes")) refuse(kTruth / "modes", out.simulation->modes);
+      if (f.json.at(kUpdateTruth).contains("modes")) refuse(kUpdateTruth / "modes", out.simulation->modes);
       out.simulation->modes = most;
     }
   } catch (const fem::InvalidStructure& error) {
@@ -158,7 +158,7 @@ bool has_several(const CaseFile& f) {
 }
 
 void take_case_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
-  if (needs == UpdateNeeds::truth) f.refuse(kTruth, "is missing: there is nothing to simulate");
+  if (needs == UpdateNeeds::truth) f.refuse(kUpdateTruth, "is missing: there is nothing to simulate");
   auto states = parse_states(f, out.structure, false);
   out.data = states.joined();
   out.states = std::make_shared<const ObservedStates>(std::move(states));
@@ -203,13 +203,13 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   if (alone && needs == UpdateNeeds::structure)
     f.refuse(Pointer("/structure"),
              "is missing: this command needs a structure, not only a predictor");
-  if (alone && json.contains("truth")) f.refuse(kTruth, "needs a structure to simulate from");
+  if (alone && json.contains("truth")) f.refuse(kUpdateTruth, "needs a structure to simulate from");
   out.structure = std::make_shared<const StructureModel>(alone ? parse_parameters_alone(f)
                                                                : parse_structure(with_known(f)));
   if (outside) check_outside(f, parsed);
   if (has_several(f)) {
     if (json.contains("truth"))
-      f.refuse(kTruth, "is not allowed with states: give the measured data of each state");
+      f.refuse(kUpdateTruth, "is not allowed with states: give the measured data of each state");
     take_case_states(f, needs, out);
     return parsed;
   }
@@ -219,7 +219,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   if (needs == UpdateNeeds::structure) return parsed;
   const bool measured = out.data.modes() > 0;
   if (needs == UpdateNeeds::truth && !out.simulation)
-    f.refuse(kTruth, "is missing: there is nothing to simulate");
+    f.refuse(kUpdateTruth, "is missing: there is nothing to simulate");
   if (needs == UpdateNeeds::truth || !measured) {
     if (!out.simulation)
       f.refuse(kUpdateData,

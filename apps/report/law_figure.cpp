@@ -25,8 +25,8 @@ struct Axis {
   double scale = 1.0;  ///< from SI to the unit of the ticks
 };
 
-constexpr double kFigureWidth = 250.0, kHeight = 180.0;  // inside of a panel [px]
-constexpr double kLeft = 62.0, kTop = 14.0, kBelow = 44.0, kApart = 28.0;
+constexpr double kFigureWidth = 250.0, kPanelHeight = 180.0;  // inside of a panel [px]
+constexpr double kPanelLeft = 62.0, kPanelTop = 14.0, kBelow = 44.0, kApart = 28.0;
 
 std::vector<Line> lines_of(const dynamics::LawInfo& info) {
   std::vector<dynamics::Coefficient> coefficients;
@@ -52,7 +52,7 @@ bool depends_on_rate(const dynamics::LawInfo& info, const std::vector<CyclePoint
 std::string panel(double left, const Axis& across, const Axis& up, const std::vector<Line>& lines,
                   double CyclePoint::*abscissa) {
   const auto x = [&](double v) { return left + kFigureWidth * (0.5 + 0.5 * v / across.limit); };
-  const auto y = [&](double v) { return kTop + kHeight * (0.5 - 0.5 * v / up.limit); };
+  const auto y = [&](double v) { return kPanelTop + kPanelHeight * (0.5 - 0.5 * v / up.limit); };
   std::string svg;
   const auto stroke_of = [](double v) {
     return "stroke=\"" + std::string(v == 0.0 ? "#888" : "#e4e4e4") + "\"";
@@ -63,9 +63,9 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
       draw(i * axis.step / axis.scale, i == 0 ? "0" : significant(i * axis.step, 3));
     }
   };
-  const double bottom = kTop + kHeight;
+  const double bottom = kPanelTop + kPanelHeight;
   each_tick(across, [&](double v, const std::string& label) {
-    svg += svg_line(stroke_of(v), x(v), kTop, x(v), bottom) +
+    svg += svg_line(stroke_of(v), x(v), kPanelTop, x(v), bottom) +
            svg_text(x(v), bottom + 16, label, kMiddle);
   });
   each_tick(up, [&](double v, const std::string& label) {
@@ -73,9 +73,9 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
            svg_text(left - 6, y(v) + 4, label, kEnd);
   });
   svg += svg_text(left + kFigureWidth / 2, bottom + 36, across.title, kMiddle);
-  const std::string middle = fixed(kTop + kHeight / 2, 1), beside = fixed(left - 46, 1);
+  const std::string middle = fixed(kPanelTop + kPanelHeight / 2, 1), beside = fixed(left - 46, 1);
   svg +=
-      svg_text(left - 46, kTop + kHeight / 2, up.title,
+      svg_text(left - 46, kPanelTop + kPanelHeight / 2, up.title,
                kMiddle + std::string(" transform=\"rotate(-90 " + beside + " " + middle + ")\""));
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const char* colour = l == 0 ? "#1f5fa8" : "#c2571a";
@@ -86,7 +86,7 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
     svg += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"2\"" +
            (l == 0 ? "" : " stroke-dasharray=\"6 3\"") + "/>\n";
     if (!lines[l].name.empty()) {
-      svg += svg_text(left + 8, kTop + 16 + 16 * static_cast<double>(l), lines[l].name,
+      svg += svg_text(left + 8, kPanelTop + 16 + 16 * static_cast<double>(l), lines[l].name,
                       std::string(" text-anchor=\"start\" fill=\"") + colour + "\"");
     }
   }
@@ -121,16 +121,16 @@ std::string law_figure(const dynamics::LawInfo& info) {
   const double speed = 2.0 * std::numbers::pi * kPictured.amplitude / kPictured.period;
   const bool two = depends_on_rate(info, lines[0].points);
   std::string body = panel(
-      kLeft,
+      kPanelLeft,
       {.title = "extension e [mm]", .limit = 1.1 * kPictured.amplitude, .step = 5.0, .scale = 1e3},
       tension, lines, &CyclePoint::extension);
   if (two) {
-    body += panel(2 * kLeft + kFigureWidth + kApart,
+    body += panel(2 * kPanelLeft + kFigureWidth + kApart,
                   {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed / 4.0)},
                   tension, lines, &CyclePoint::rate);
   }
-  return svg_sheet((two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0),
-                   kTop + kHeight + kBelow, std::string(info.name) + ": " + law_caption(info),
+  return svg_sheet((two ? 2.0 : 1.0) * (kPanelLeft + kFigureWidth) + kApart + (two ? 16 : 0),
+                   kPanelTop + kPanelHeight + kBelow, std::string(info.name) + ": " + law_caption(info),
                    body);
 }
 

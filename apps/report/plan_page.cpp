@@ -12,7 +12,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr double kWidth = 640.0, kMargin = 46.0;
+constexpr double kDiagramWidth = 640.0, kDiagramMargin = 46.0;
 
 /// Maps places [m] to the drawing; structures in space are seen obliquely from above.
 class View {
@@ -30,15 +30,15 @@ class View {
     for (const Report& row : plan.at("detection_map"))
       if (!row.at("at").is_null()) stretch(row.at("at"));
     const double width = std::max(x1 - x0, 1e-9), height = y1 - y0;
-    scale_ = std::min((kWidth - 2 * kMargin) / width, 420.0 / std::max(height, 1e-9));
-    left_ = x0 - 0.5 * ((kWidth - 2 * kMargin) / scale_ - width);
+    scale_ = std::min((kDiagramWidth - 2 * kDiagramMargin) / width, 420.0 / std::max(height, 1e-9));
+    left_ = x0 - 0.5 * ((kDiagramWidth - 2 * kDiagramMargin) / scale_ - width);
     top_ = y1;
-    height_ = std::max(height * scale_, 20.0) + 2 * kMargin;
+    height_ = std::max(height * scale_, 20.0) + 2 * kDiagramMargin;
   }
   [[nodiscard]] double height() const { return height_; }
   [[nodiscard]] std::array<double, 2> at(const Report& p) const {
     const auto [u, v] = flat(p);
-    return {kMargin + (u - left_) * scale_, kMargin + (top_ - v) * scale_};
+    return {kDiagramMargin + (u - left_) * scale_, kDiagramMargin + (top_ - v) * scale_};
   }
   /// A direction on the drawing, as a unit vector in the plane of the drawing.
   [[nodiscard]] std::array<double, 2> along(const Report& d) const {
@@ -115,7 +115,7 @@ std::string drawing(const Report& plan) {
   }
   return "<svg class=\"plot\" role=\"img\" aria-label=\"structure with recommended sensors and "
          "detectable damage\" viewBox=\"0 0 " +
-         fixed(kWidth, 0) + " " + fixed(view.height(), 0) + "\">\n" + body + "</svg>\n" +
+         fixed(kDiagramWidth, 0) + " " + fixed(view.height(), 0) + "\">\n" + body + "</svg>\n" +
          "<p>Arrows: recommended sensors with their number and direction. Small points: other "
          "candidates. The darker a location, the smaller the damage that the test detects there "
          "with probability 0.9.</p>\n";

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr const char* kCentroid = "fill=\"#222\"";
 constexpr const char* kShearCentre = "fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"";
-constexpr double kInside = 420.0, kMargin = 46.0, kLegend = 92.0;  // [px]
+constexpr double kInside = 420.0, kSketchMargin = 46.0, kLegend = 92.0;  // [px]
 
 /// Converts metres to pixels of the sheet.
 struct Sheet {
@@ -25,10 +25,10 @@ struct Sheet {
   [[nodiscard]] std::string at(const Vector2d& p) const {
     return fixed(x(p), 2) + " " + fixed(y(p), 2);
   }
-  [[nodiscard]] double x(const Vector2d& p) const { return kMargin + scale * (p.x() - low.x()); }
-  [[nodiscard]] double y(const Vector2d& p) const { return kMargin + scale * (high.y() - p.y()); }
-  [[nodiscard]] double width() const { return 2.0 * kMargin + scale * (high.x() - low.x()); }
-  [[nodiscard]] double height() const { return 2.0 * kMargin + scale * (high.y() - low.y()); }
+  [[nodiscard]] double x(const Vector2d& p) const { return kSketchMargin + scale * (p.x() - low.x()); }
+  [[nodiscard]] double y(const Vector2d& p) const { return kSketchMargin + scale * (high.y() - p.y()); }
+  [[nodiscard]] double width() const { return 2.0 * kSketchMargin + scale * (high.x() - low.x()); }
+  [[nodiscard]] double height() const { return 2.0 * kSketchMargin + scale * (high.y() - low.y()); }
 };
 
 std::string arrow(double x1, double y1, double x2, double y2, const std::string& name) {
@@ -96,7 +96,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   body += "<path d=\"M" + fixed(sx - 8, 1) + " " + fixed(sy, 1) + "h16M" + fixed(sx, 1) + " " +
           fixed(sy - 8, 1) + "v16\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n" +
           svg_dot(kShearCentre, sx, sy, 5.0);
-  const double left = kMargin, below = sheet.height();
+  const double left = kSketchMargin, below = sheet.height();
   body += arrow(14, sheet.height() - 14, 44, sheet.height() - 14, "y");
   body += arrow(14, sheet.height() - 14, 14, sheet.height() - 44, "z");
   body += svg_dot(kCentroid, left + 4, below + 14, 4.0);

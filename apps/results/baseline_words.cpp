@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/results/summary.hpp"
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {

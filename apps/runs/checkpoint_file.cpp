@@ -22,7 +22,7 @@ using io::FileError;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kSeal = 16;  // digits of the seal
-constexpr const char* kWhat = "a checkpoint of wheeltap";
+constexpr const char* kCheckpointFormat = "a checkpoint of wheeltap";
 constexpr std::string_view kPartPrefix = "checkpoint-";
 
 bool is_sealed_checkpoint(std::string_view bytes) {
@@ -87,7 +87,7 @@ std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
 
 [[noreturn]] void in_the_way(const fs::path& path) {
   throw FileError(FileError::Kind::unwritable, path,
-                  std::string("exists already and is not ") + kWhat +
+                  std::string("exists already and is not ") + kCheckpointFormat +
                       ", so Wheeltap does not overwrite it: remove it or choose another folder");
 }
 
@@ -184,14 +184,14 @@ CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const Co
 
 void CheckpointFile::read(std::string bytes, bool others_pass) {
   if (!bytes.starts_with(io::kNetcdfMagic)) {
-    throw FileError(FileError::Kind::foreign, path_, std::string("is not ") + kWhat);
+    throw FileError(FileError::Kind::foreign, path_, std::string("is not ") + kCheckpointFormat);
   }
   if (!is_sealed_checkpoint(bytes)) {
     throw FileError(FileError::Kind::corrupt, path_,
-                    std::string("is truncated or damaged, or not ") + kWhat);
+                    std::string("is truncated or damaged, or not ") + kCheckpointFormat);
   }
   bytes.resize(bytes.size() - kSeal);
-  const io::NetcdfReader file(std::move(bytes), path_, kWhat);
+  const io::NetcdfReader file(std::move(bytes), path_, kCheckpointFormat);
   const std::string format = file.text("wheeltap_checkpoint");
   if (format.empty()) file.foreign("has no attribute \"wheeltap_checkpoint\"");
   const int run = file.required_group("run");
@@ -298,7 +298,7 @@ Checkpoint CheckpointFile::saved_draws(long number) const {
   if (!is_sealed_checkpoint(*bytes) || seal_of(*bytes) != seal->second)
     throw damaged("is truncated or damaged, or is a part of another checkpoint");
   bytes->resize(bytes->size() - kSeal);
-  return read_state(io::NetcdfReader(std::move(*bytes), path, kWhat));
+  return read_state(io::NetcdfReader(std::move(*bytes), path, kCheckpointFormat));
 }
 
 fs::path CheckpointFile::part(long number) const {

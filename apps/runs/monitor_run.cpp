@@ -29,7 +29,7 @@ using identification::monitoring::RowFinding;
 namespace fs = std::filesystem;
 
 constexpr const char* kStateVersion = "4";
-constexpr const char* kWhat = "a monitoring state of wheeltap";
+constexpr const char* kStateFormat = "a monitoring state of wheeltap";
 
 /// The stored state from which the next call continues.
 struct MonitorState {
@@ -78,7 +78,7 @@ std::string state_bytes(const MonitorState& state, const fs::path& path) {
   const std::vector<std::uint8_t> numbers(bytes.begin(), bytes.end());
   io::NetcdfWriter file(path);
   const int root = file.root();
-  file.text(root, NC_GLOBAL, "format", kWhat);
+  file.text(root, NC_GLOBAL, "format", kStateFormat);
   file.text(root, NC_GLOBAL, "version", kStateVersion);
   file.text(root, NC_GLOBAL, "fingerprint", io::fingerprint(bytes));
   file.text(root, NC_GLOBAL, "case", state.case_text);
@@ -93,8 +93,8 @@ std::string state_bytes(const MonitorState& state, const fs::path& path) {
 std::optional<MonitorState> read_state(const fs::path& path) {
   using Kind = io::FileError::Kind;
   if (!fs::exists(path)) return {};
-  const io::NetcdfReader file(io::read_bytes(path), path, kWhat);
-  if (file.text("format") != kWhat) file.foreign("has another format");
+  const io::NetcdfReader file(io::read_bytes(path), path, kStateFormat);
+  if (file.text("format") != kStateFormat) file.foreign("has another format");
   if (file.text("version") != kStateVersion)
     throw io::FileError(Kind::version, path,
                         "is of another version of wheeltap: run once without --resume");

@@ -95,7 +95,7 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
   if (said_ >= 0) {
     const std::string line =
         "wheeltap: rank " + std::to_string(all_->rank()) + " only: " + last_words + '\n';
-    static_cast<void>(!write(said_, line.data(), line.size()));
+    static_cast<void>(!::write(said_, line.data(), line.size()));
   }
   all_->abort(exit_code);
 }
