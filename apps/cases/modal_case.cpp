@@ -90,7 +90,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
-        ", unlike other channels. The numbers of this channel are used unchanged: mode shapes are "
+        ", but other channels have units. The numbers of this channel are used unchanged: mode shapes are "
         "wrong unless the numbers are in SI units. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
@@ -99,7 +99,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity follows from the case, or else from the unit, or else from other channels.
+  // The quantity is that of the case; if missing, that of the unit; if missing, that of other channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -170,7 +170,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
       if (!sensor.direction.empty())
-        file.refuse(where / "direction", "replaces azimuth and elevation: give this key or those");
+        file.refuse(where / "direction", "replaces azimuth and elevation: give either \"direction\" or the two angles");
       sensor.azimuth = c.value("azimuth", 0.0);
       sensor.elevation = c.value("elevation", 0.0);
     }
@@ -361,7 +361,7 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
          a.elevation == b.elevation;
 }
 
-/// Adds a remark if two channels of a record are at one node in one direction, perhaps by mistake.
+/// Adds a remark if two channels of a record have the same node and direction, perhaps by mistake.
 void remark_on_duplicate_sensors(SetUp& s) {
   for (std::size_t i = 0; i < s.sensors.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
@@ -413,7 +413,7 @@ void collect_sensors(ModalCaseFile& out) {
       if (s.sensors[c].reference && !shared(s.which[c]))
         out.file.refuse(
             s.places[c] / "reference",
-            "is not in every record: a reference must be at the same place in all records");
+            "is not in every record: a reference must be at the same location in all records");
     }
   if (!some)
     out.file.refuse(Pointer("/records"),
@@ -495,7 +495,7 @@ void take_merging(ModalCaseFile& out) {
   for (const SetUp& s : out.set_ups)
     if (std::abs(s.options.sample_rate_hz / rate - 1.0) > 1e-6)
       out.file.refuse(
-          s.where, "has another sampling rate than the first record: \"preger\" needs equal rates");
+          s.where, "has a different sampling rate from the first record: \"preger\" needs equal rates");
   bool named = false;
   for (const MeasuredSensor& s : out.sensors) named = named || s.reference;
   std::vector<int> common;

@@ -28,7 +28,7 @@ struct UmbridgeSpec {
 
 /// A program that Wheeltap runs once per prediction.
 struct CommandSpec {
-  std::vector<std::string> words;  ///< command: program and arguments, with {in}, {out} and {case}
+  std::vector<std::string> words;  ///< program and arguments, with {in}, {out} and {case}
   /// True if the program's files contain plain numbers instead of JSON
   bool numbers = false;
   std::filesystem::path folder;  ///< folder of the case

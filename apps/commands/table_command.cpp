@@ -88,7 +88,7 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
                        "does not give the number of modes: give \"frequencies\" or \"modes\"");
   }
   if (spec.runs == EmulatorSpec::Runs::csv && !(options.part.empty() && options.merge.empty())) {
-    parsed.file.refuse(predictor / "runs_csv", "are finished runs: there are no parts to compute");
+    parsed.file.refuse(predictor / "runs_csv", "are finished runs: nothing remains to be computed");
   }
   if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
     parsed.file.refuse(

@@ -26,7 +26,7 @@ struct ModesReading {
   std::uint64_t seed = 1;
   /// Folder that stores the identified modes of raw records for the next call; empty: not stored.
   std::filesystem::path kept = {};
-  /// True: if the last file cannot be read, it counts as incomplete, and the next call reads it
+  /// If true, a last file that cannot be read counts as incomplete, and the next call reads it
   /// again.
   bool following = false;
   std::function<void(double fraction)> progress = nullptr;

@@ -15,7 +15,7 @@ struct MonitoredStructure {
   DamageCaseFile parsed;
   std::vector<int> modes = {};         ///< elastic mode (from 0) of each feature
   std::vector<double> intact_hz = {};  ///< frequencies of these modes in the intact model
-  /// Prior weights of the causes, and the prior share of each kind of defect. The training sets the
+  /// Prior weights of the causes and of the kinds of defect. The training sets the
   /// standard deviations in `causes`.
   identification::monitoring::CauseOptions causes = {};
 };

@@ -41,7 +41,7 @@ class FrequencyText {
     refuse_line(text_.header_line(), 0, message);
   }
 
-  /// Index of the column with this header, name or 1-based number; empty if there is none.
+  /// Index of the column with this name or 1-based number; empty if no column has it.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const {
     for (std::size_t c = 0; c < headers().size(); ++c) {
       if (headers()[c].header == name || headers()[c].name == name) return c;
@@ -68,8 +68,8 @@ class FrequencyText {
                                   signals::Dimension::frequency);
   }
 
-  /// The cells of a row. Throws Failure if the row has fewer cells than the header, or, with
-  /// `exactly`, more.
+  /// The cells of a row. Throws Failure if the row has fewer cells than the header; with `exactly`, also if it has
+  /// more.
   [[nodiscard]] std::vector<std::string> cells(int row, std::size_t least, bool exactly) const {
     std::vector<std::string> found = text_.cells(row);
     if (found.size() < least || (exactly && found.size() > headers().size())) {
@@ -168,8 +168,8 @@ std::vector<std::size_t> frequency_columns(const FrequencyText& text) {
   return stated.empty() ? all : stated;
 }
 
-/// Rejects a further column that could hold the mode numbers: without them, the modes would be
-/// numbered by their rows.
+/// Rejects another column that could contain mode numbers, because the row numbers would replace
+/// them.
 void refuse_possible_modes(const FrequencyText& text, const std::vector<std::size_t>& used) {
   for (std::size_t c = 0; c < text.headers().size(); ++c) {
     const io::Column& column = text.headers()[c];
@@ -182,7 +182,7 @@ void refuse_possible_modes(const FrequencyText& text, const std::vector<std::siz
   }
 }
 
-/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if there is
+/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if the header states
 /// none.
 std::string frequency_unit(const io::Column& column) {
   const auto is_frequency = [](const std::string& unit) {
@@ -196,8 +196,8 @@ std::string frequency_unit(const io::Column& column) {
   return last != column.name && is_frequency(unit) ? unit : "";
 }
 
-/// Rejects a file without a column "frequency". One column of frequencies is one mode per row; with
-/// several columns, a row is a test.
+/// Rejects a file without a column "frequency". A file with one column of frequencies has one mode per row; with
+/// several columns, one test per row.
 [[noreturn]] void refuse_names(const FrequencyText& text) {
   const auto modes = text.mode_column();
   const auto sd = text.find("sd");

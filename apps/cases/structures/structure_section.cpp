@@ -20,8 +20,8 @@ using OutlineKeys = std::vector<std::string>;
 
 /// Axes count as principal if their product of inertia is below this fraction of the larger moment.
 constexpr double kPrincipal = 1e-6;
-/// Shear centres nearer to the centroid than this fraction of the radius of gyration coincide with
-/// it.
+/// Shear centres count as centroids within this distance of the centroid, relative to the radius of
+/// gyration.
 constexpr double kCentred = 1e-3;
 
 class SectionParser {
