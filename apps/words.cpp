@@ -235,7 +235,7 @@ std::string in_words(inference::Choice choice) {
 
 std::string impossible_in_words(const std::string& model) {
   return "The likelihood of model '" + model +
-         "' is zero at every point drawn from its prior, so its probability is 0. If this model "
+         "' is zero for every draw from its prior, so its probability is 0. If this model "
          "should be possible, check its priors.";
 }
 

@@ -68,7 +68,7 @@ struct Context {
 
 /// A sentence on a setting that the sampler chose.
 [[nodiscard]] std::string in_words(inference::Choice choice);
-/// A sentence on a model whose likelihood is zero at every point drawn from its prior.
+/// A sentence on a model whose likelihood is zero for every draw from its prior.
 [[nodiscard]] std::string impossible_in_words(const std::string& model);
 /// A sentence on the part of a record that a quick run used.
 [[nodiscard]] std::string in_words(const identification::Look& look);

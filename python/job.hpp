@@ -21,7 +21,7 @@ namespace py = pybind11;
 /// Progress of a job.
 struct Progress {
   std::string stage;
-  double fraction = 0.0;                   ///< completed share of the stage
+  double fraction = 0.0;                   ///< completed fraction of the stage
   long evaluations = 0;                    ///< likelihood evaluations so far
   std::vector<double> probabilities = {};  ///< model probabilities so far; empty before sampling
 };

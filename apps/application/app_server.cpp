@@ -155,7 +155,8 @@ class Application {
       if (request.method != "GET" && request.method != "POST")
         throw Refused{405, "only the methods GET and POST are allowed"};
       if (request.target.size() > kLongestTarget) throw Refused{414, "the URL is too long"};
-      // Reject other host names that resolve to this address: a page of another site could use them.
+      // Reject other host names that resolve to this address: a page of another site could use
+      // them.
       if (!is_own_host(request.get_header_value("Host")))
         throw Refused{403, "the host must be 127.0.0.1 or localhost"};
       const std::string origin = request.get_header_value("Origin");
@@ -189,7 +190,8 @@ class Application {
     return begins_with(path, token_) || is_report(path);
   }
 
-  /// Runs `work` if fewer than kAtWork requests are being handled; converts its exceptions to answers.
+  /// Runs `work` if fewer than kAtWork requests are being handled; converts its exceptions to
+  /// answers.
   template <class Work>
   void bounded(Response& response, const Work& work) {
     struct Leave {
@@ -217,8 +219,8 @@ class Application {
 
   [[nodiscard]] fs::path place(const std::string& name) const {
     if (auto path = folder_.place(name)) return *path;
-    throw Refused{403,
-                  io::printable(name) + ": does not name a file inside the folder of the application"};
+    throw Refused{
+        403, io::printable(name) + ": does not name a file inside the folder of the application"};
   }
 
   // ------------------------------------------------------------------ GET
@@ -321,8 +323,8 @@ class Application {
     response.set_content(io::read_bytes(path, kLargestResult), kJson);
   }
 
-  /// The file that a request names. The optional parameter "layout" is an object with the keys of a record that
-  /// describe the layout of a table.
+  /// The file that a request names. The optional parameter "layout" is an object with the keys of a
+  /// record that describe the layout of a table.
   [[nodiscard]] RecordSource source_of(const Request& request) const {
     RecordSource out{.path = place(parameter(request, "name"))};
     if (!request.has_param("layout")) return out;
@@ -424,7 +426,8 @@ class Application {
   }
 
   [[nodiscard]] std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text) {
-    const std::lock_guard lock(checking_);  // one check at a time, because a check may read a record
+    const std::lock_guard lock(
+        checking_);  // one check at a time, because a check may read a record
     return program_.check(path, text,
                           [this](const fs::path& input) { return folder_.contains(input); });
   }

@@ -315,7 +315,8 @@ std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const Case
 }
 
 void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
-  // The limit is necessary because posterior modes are searched in each model separately before sampling.
+  // The limit is necessary because posterior modes are searched in each model separately before
+  // sampling.
   constexpr double kMostModels = 5000;
   const std::vector<DefectKind>& kinds = parsed.damage.kinds;
   double models = 1.0;

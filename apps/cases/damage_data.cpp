@@ -145,8 +145,9 @@ void take_data(const CaseFile& f, DamageCase& out) {
   }
   if (out.emulator && data.contains("repeats"))
     f.refuse(data_key("/predictor"),
-             "\"repeats\" have errors that are correlated between modes, which an emulator does not support: use "
-                        "\"fe\" here");
+             "\"repeats\" have errors that are correlated between modes, which an emulator does "
+             "not support: use "
+             "\"fe\" here");
   if (out.emulator)
     f.refuse(data_key("/predictor"),
              "an emulator predicts frequencies, not shapes: use \"fe\" here");

@@ -117,7 +117,8 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   using Joined = emulator::InterpolantType::Runs;
   if (grid && spec.interpolant->runs != Joined::grid) {
     file.refuse(where / "interpolation",
-                "needs model runs that are not on a grid (\"design\", \"runs_csv\"); a grid of sites allows " +
+                "needs model runs that are not on a grid (\"design\", \"runs_csv\"); a grid of "
+                "sites allows " +
                     interpolant_names(Joined::grid));
   }
   if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {

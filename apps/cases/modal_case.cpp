@@ -90,7 +90,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
-        ", but other channels have units. The numbers of this channel are used unchanged: mode shapes are "
+        ", but other channels have units. The numbers of this channel are used unchanged: mode "
+        "shapes are "
         "wrong unless the numbers are in SI units. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
@@ -99,7 +100,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity is that of the case; if missing, that of the unit; if missing, that of other channels.
+  // The quantity is that of the case; if missing, that of the unit; if missing, that of other
+  // channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -170,7 +172,8 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
       if (!sensor.direction.empty())
-        file.refuse(where / "direction", "replaces azimuth and elevation: give either \"direction\" or the two angles");
+        file.refuse(where / "direction",
+                    "replaces azimuth and elevation: give either \"direction\" or the two angles");
       sensor.azimuth = c.value("azimuth", 0.0);
       sensor.elevation = c.value("elevation", 0.0);
     }
@@ -495,7 +498,8 @@ void take_merging(ModalCaseFile& out) {
   for (const SetUp& s : out.set_ups)
     if (std::abs(s.options.sample_rate_hz / rate - 1.0) > 1e-6)
       out.file.refuse(
-          s.where, "has a different sampling rate from the first record: \"preger\" needs equal rates");
+          s.where,
+          "has a different sampling rate from the first record: \"preger\" needs equal rates");
   bool named = false;
   for (const MeasuredSensor& s : out.sensors) named = named || s.reference;
   std::vector<int> common;

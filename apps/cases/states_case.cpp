@@ -35,8 +35,8 @@ void inherit(Json& state, const Json& block) {
       {{"frequencies", "file", "from", "repeats"},
        {"cov", "sd", "covariance", "repeats"},
        {"shape_sd", "shape_covariance", "shape_sd", "shape_sd"}}};
-  // Keys that select data from the file that another key names. They do not apply to a state whose frequencies have
-  // another source.
+  // Keys that select data from the file that another key names. They do not apply to a state whose
+  // frequencies have another source.
   static constexpr std::array<std::array<const char*, 2>, 4> selections = {
       {{"columns", "file"}, {"row", "file"}, {"modes", "from"}, {"model_modes", "from"}}};
   const auto has_other_origin = [&](const char* origin) {

@@ -41,8 +41,8 @@ double number_at(const Report& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// The measured data of a case, without assumptions (noise parameters, locations of sensors in the model). A file is
-/// identified by the content that the run read, not by its name.
+/// The measured data of a case, without assumptions (noise parameters, locations of sensors in the
+/// model). A file is identified by the content that the run read, not by its name.
 class Measured {
  public:
   explicit Measured(const std::string& run, const Report& about)

@@ -23,7 +23,8 @@
 namespace wheeltap::apps {
 namespace {
 
-/// A section of a case as a separate file {"section": …, "poisson": …}, and its location in the case.
+/// A section of a case as a separate file {"section": …, "poisson": …}, and its location in the
+/// case.
 struct Found {
   CaseFile file;
   std::string place;  ///< location in the case: "/beam/section"; "" for a file of one section

@@ -14,9 +14,9 @@ struct AlarmCommand {
   double timeout_seconds = 60.0;
 };
 
-/// Runs the command in the folder of the case, with `text` on its standard input; its output goes to
-/// standard error. No shell interprets the words. Returns a message about the failure, or an empty
-/// string.
+/// Runs the command in the folder of the case, with `text` on its standard input; its output goes
+/// to standard error. No shell interprets the words. Returns a message about the failure, or an
+/// empty string.
 [[nodiscard]] std::string run_on_alarm(const AlarmCommand& command,
                                        const std::filesystem::path& summary,
                                        const std::string& text);

@@ -119,9 +119,9 @@ class Density final : public OutsideModel {
   bool with_prior_;
 };
 
-/// Number of inputs for the location of a defect. Beam: coordinate [m]. Members of other structures: member (index
-/// from 0 in the order of the case) and distance [m] from its first node. Joints, storeys and similar sites: their
-/// index.
+/// Number of inputs for the location of a defect. Beam: coordinate [m]. Members of other
+/// structures: member (index from 0 in the order of the case) and distance [m] from its first node.
+/// Joints, storeys and similar sites: their index.
 std::size_t place_numbers(const DefectKind& kind) {
   return !kind.line.is_beam() && kind.type->sites == DefectType::Sites::members ? 2 : 1;
 }
@@ -143,9 +143,9 @@ const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const doub
                               ": must be one of " + allowed);
 }
 
-/// The coordinate x of a location on the line of all sites, and ln of the length on this line per unit of
-/// the inputs (per metre of a member, or per joint). Throws std::invalid_argument for an invalid
-/// location.
+/// The coordinate x of a location on the line of all sites, and ln of the length on this line per
+/// unit of the inputs (per metre of a member, or per joint). Throws std::invalid_argument for an
+/// invalid location.
 struct LinePlace {
   double x = 0.0, log_measure = 0.0;
 };

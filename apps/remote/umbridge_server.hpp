@@ -28,9 +28,9 @@ struct ServerOptions {
   std::function<bool()> stop = {};
 };
 
-/// Answers the requests /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of version 1.0 until
-/// stop() returns true. Numbers in responses have all significant digits of a double. Throws Failure if the port is not
-/// available.
+/// Answers the requests /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of
+/// version 1.0 until stop() returns true. Numbers in responses have all significant digits of a
+/// double. Throws Failure if the port is not available.
 void serve_models(const std::vector<ServedModel>& models, const ServerOptions& options);
 
 }  // namespace wheeltap::apps

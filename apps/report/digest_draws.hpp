@@ -29,9 +29,9 @@ struct Bins {
   }
 };
 
-/// Returns a number of bins proportional to the cube root of the number of draws, as in the rule of Freedman &
-/// Diaconis (1981). The bins are narrower than in the rule, because posteriors often have several narrow
-/// peaks.
+/// Returns a number of bins proportional to the cube root of the number of draws, as in the rule of
+/// Freedman & Diaconis (1981). The bins are narrower than in the rule, because posteriors often
+/// have several narrow peaks.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Returns n bins over the range of the draws; one bin if all draws are equal.
@@ -105,8 +105,9 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// time, spectra, frequency response functions for the excitations, autocorrelation of the
 /// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
-/// Returns thinned time histories of each link: extension, rate and tension at the draw of highest posterior density,
-/// and the tension from the data. The result is empty if the run did not store the series.
+/// Returns thinned time histories of each link: extension, rate and tension at the draw of highest
+/// posterior density, and the tension from the data. The result is empty if the run did not store
+/// the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

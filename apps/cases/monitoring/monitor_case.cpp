@@ -256,7 +256,8 @@ void read_learning(MonitorCaseFile& out) {
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
     if (stamp->has_zone && !out.time.has_zone)
       out.file.refuse(where,
-                      "states a time zone, but the times of the series state none: write this date without a time "
+                      "states a time zone, but the times of the series state none: write this date "
+                      "without a time "
                       "zone as well");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
@@ -344,8 +345,8 @@ void read_alarm(MonitorCaseFile& out) {
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
-    // No transient: it decays in hours, but rows have no times; it could explain damage in the first
-    // rows.
+    // No transient: it decays in hours, but rows have no times; it could explain damage in the
+    // first rows.
     options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");

@@ -43,8 +43,8 @@ double mass_of(const fem::Structure& structure) {
   return total;
 }
 
-/// An added mass as a kind of defect of a damage case, with its prior; null for structures given by matrices, which
-/// have no locations for a mass.
+/// An added mass as a kind of defect of a damage case, with its prior; null for structures given by
+/// matrices, which have no locations for a mass.
 Json added_mass(const CaseFile& file, const DamageCase& damage) {
   const AnyStructure structure = damage.solved_structure();
   Json prior;

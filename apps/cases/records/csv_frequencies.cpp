@@ -68,8 +68,8 @@ class FrequencyText {
                                   signals::Dimension::frequency);
   }
 
-  /// The cells of a row. Throws Failure if the row has fewer cells than the header; with `exactly`, also if it has
-  /// more.
+  /// The cells of a row. Throws Failure if the row has fewer cells than the header; with `exactly`,
+  /// also if it has more.
   [[nodiscard]] std::vector<std::string> cells(int row, std::size_t least, bool exactly) const {
     std::vector<std::string> found = text_.cells(row);
     if (found.size() < least || (exactly && found.size() > headers().size())) {
@@ -182,8 +182,8 @@ void refuse_possible_modes(const FrequencyText& text, const std::vector<std::siz
   }
 }
 
-/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if the header states
-/// none.
+/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if the header
+/// states none.
 std::string frequency_unit(const io::Column& column) {
   const auto is_frequency = [](const std::string& unit) {
     const auto found = signals::find_unit(unit);
@@ -196,8 +196,8 @@ std::string frequency_unit(const io::Column& column) {
   return last != column.name && is_frequency(unit) ? unit : "";
 }
 
-/// Rejects a file without a column "frequency". A file with one column of frequencies has one mode per row; with
-/// several columns, one test per row.
+/// Rejects a file without a column "frequency". A file with one column of frequencies has one mode
+/// per row; with several columns, one test per row.
 [[noreturn]] void refuse_names(const FrequencyText& text) {
   const auto modes = text.mode_column();
   const auto sd = text.find("sd");

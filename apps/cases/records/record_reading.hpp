@@ -27,7 +27,8 @@ struct ChannelUse {
 [[noreturn]] void refuse_column(const CaseFile& file, const Pointer& block,
                                 const io::NoSuchColumn& error);
 
-/// A sentence on the layout that Wheeltap found in a text file: "Columns separated by semicolons, …".
+/// A sentence on the layout that Wheeltap found in a text file: "Columns separated by semicolons,
+/// …".
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);
 [[nodiscard]] Report layout_json(const io::FoundLayout& layout);
 

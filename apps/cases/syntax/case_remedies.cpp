@@ -36,8 +36,8 @@ std::string prior_to_write(const CaseFile& file, const Pointer& where, const std
   return "; write " + text;
 }
 
-/// An upper bound for a prior, rounded to few digits within the allowed bounds. For an open bound, a slightly smaller
-/// number: 0.999 for [0, 1).
+/// An upper bound for a prior, rounded to few digits within the allowed bounds. For an open bound,
+/// a slightly smaller number: 0.999 for [0, 1).
 double written_bound(double high, double low, double upper) {
   if (!std::isfinite(high) || std::strtod(pasted(high).c_str(), nullptr) <= upper) return high;
   constexpr double kShare = 1e-3;  // distance from an open bound

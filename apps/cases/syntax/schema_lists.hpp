@@ -120,7 +120,7 @@ void fill_lists(AnyJson& rules) {
     rules["description"] =
         rules["description"].template get<std::string>() +
         "; grids: " + identification::interpolant_names(Runs::grid) +
-        "; space-filling designs:" + identification::interpolant_names(Runs::scattered);
+        "; space-filling designs: " + identification::interpolant_names(Runs::scattered);
   }
   for (auto& child : rules) {
     if (child.is_structured()) fill_lists(child);

@@ -1,4 +1,4 @@
-// A sweep: system identifications for several values of one number of a case.
+// A sweep: system identifications for several values of one entry of a case.
 #pragma once
 
 #include <spdlog/logger.h>
