@@ -48,8 +48,8 @@ struct Options {
   bool tempered_draws = false;
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed share of the run's likelihood evaluations. If the basin of a
-  /// posterior mode has the prior probability p, all n local optimisations miss the mode with
+  /// chooses the number, for a fixed fraction of the run's likelihood evaluations. If the basin of
+  /// a posterior mode has the prior probability p, all n local optimisations miss the mode with
   /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
@@ -57,8 +57,8 @@ struct Options {
   /// (Posterior::log_weight). Small probabilities then also have small relative errors.
   bool balance = false;
 
-  /// False: do not compute the evidences of models and the shares of posterior modes (they stay
-  /// NaN), for a caller that uses the draws alone. The exploration then has at most three rounds of
+  /// False: do not compute the evidences of models and the probability masses of posterior modes
+  /// (NaN), for a caller that needs only draws. The exploration then has at most three rounds of
   /// importance sampling per model, and two local optimisations from the draws of the tempering;
   /// this suffices for starting points and proposals.
   bool evidences = true;
@@ -69,7 +69,7 @@ struct Options {
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …
-    double fraction;    ///< completed share of the stage
+    double fraction;    ///< completed fraction of the stage
     long likelihood_evaluations;
     /// Planned likelihood evaluations of the later stages.
     double evaluations_to_come;

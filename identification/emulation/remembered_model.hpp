@@ -26,8 +26,8 @@ class RememberedModel final : public OutsideModel {
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws io::FileError and the exceptions of the model; adds the number of stored results to the
-  /// messages of the latter.
+  /// Throws io::FileError and the exceptions of the model. The messages of the model's exceptions
+  /// also state the number of stored results.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;

@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` points. These points get zero
-/// likelihood.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; its value there is
+/// set to zero.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -330,7 +330,7 @@ struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
   bool opening;  ///< true if the force law acts in extension, false if in compression
-  /// Largest motion of the link towards the stop, at the model's posterior means [m]
+  /// Largest displacement of the link towards the stop, at the model's posterior means [m]
   double reach;
   double share;
 };

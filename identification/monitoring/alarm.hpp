@@ -34,8 +34,8 @@ struct ReplayOptions {
 /// Above the median u of the series' maxima, the excesses are assumed exponential with mean h: P(A)
 /// = 1/2 exp(-(ln A - u)/h). h is the mean excess, but at least 1, because under the model the
 /// false-alarm probability in n rows has the bound n/A, which decays with h = 1. Below the median,
-/// P(A) is the share of maxima above ln A, interpolated between the maxima. If all maxima are above
-/// ln A, each series has an alarm and the rate is a lower bound.
+/// P(A) is the fraction of maxima above ln A, interpolated between the maxima. If all maxima are
+/// above ln A, each series has an alarm and the rate is a lower bound.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;              ///< u
@@ -45,7 +45,7 @@ struct Replay {
   [[nodiscard]] double rate(double log_threshold) const;
   /// True if the rate at this threshold is a lower bound.
   [[nodiscard]] bool is_lower_bound(double log_threshold) const;
-  /// ln of the threshold at which false alarms have this rate; at least the least maximum of ln S.
+  /// ln of the threshold at which false alarms have this rate; at least the lowest maximum of ln S.
   [[nodiscard]] double log_threshold(double rate) const;
 };
 

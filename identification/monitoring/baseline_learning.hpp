@@ -30,7 +30,7 @@ namespace wheeltap::identification::monitoring {
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
   /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
-  /// 1000 divided by the number of coefficients, at least the number above and at most 24.
+  /// 1000 divided by the number of coefficients, limited to the range from this number to 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers up to it have equal priors
   bool hinges = true, lag = true;
@@ -50,7 +50,7 @@ struct BaselineDraw {
   BaselineFilter filter = {};
   /// Covariates of the last row with the thermal and the long lag
   Eigen::VectorXd lagged = {}, slow = {};
-  /// Standard deviation of the error of `lagged` that missing covariates cause
+  /// Standard deviation of the error of `lagged` due to missing covariates
   Eigen::VectorXd lagged_error = {};
 };
 

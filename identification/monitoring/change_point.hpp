@@ -8,14 +8,14 @@
 // A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
 // modal identification. The model without a change is a mixture: the baseline, and transients that
 // began at any row. A change must explain the data better than this mixture. The probability of a
-// decayed transient returns to the baseline; at each row, so does the share of transients that may
-// have ended early.
+// decayed transient is transferred to the baseline. At each row, so is the probability that a
+// transient has ended.
 //
 // A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
 // candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
-// which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of
-// kShiftSizes (equally probable) and r_j the residual sd of feature j:
+// which is exact for Gaussian noise. The prior of δ has two equally probable components, with s one
+// of kShiftSizes (equally probable) and r_j the residual sd of feature j:
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
@@ -24,10 +24,10 @@
 // posterior mass. The filter without a change has a separate noise inflation, because entries after
 // damage are outliers for this filter only.
 //
-// Weights of parameter draws have a fixed share: at each row, the fraction `fixed_share` of all
-// weight is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight.
-// Every predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture
-// without a change.
+// Fixed-share update of the parameter draws: at each row, the fraction `fixed_share` of all weights
+// is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight. Every
+// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
+// change.
 #pragma once
 
 #include <cstdint>

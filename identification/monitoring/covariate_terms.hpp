@@ -4,7 +4,7 @@
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
-// Each of the last four entries stands for kUnseenSegments terms: the lengths of its u inside the
+// Each of the last four entries stands for kUnseenSegments terms: the lengths of u within the
 // segments between kUnseenKnots. Their sum is piecewise linear with one slope per segment. The
 // "long" terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are
 // zero in the training period, so training does not change the priors of their coefficients.

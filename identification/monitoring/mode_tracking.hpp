@@ -5,7 +5,7 @@
 //   m_kt = w_k(u_t) + a_kt, a_kt: random walk (local level), w_k: effect of covariates,
 //
 // The mode also has a reference shape and a probability D_k of being identified. An assignment σ
-// maps each tracked mode to one identified mode, which no other has, or to none:
+// maps each tracked mode to an identified mode of its own, or to none:
 //
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
@@ -40,7 +40,7 @@ using IdentifiedRecord = std::vector<IdentifiedMode>;
 [[nodiscard]] double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
 struct TrackingOptions {
-  double share = 0.5;      ///< smallest share of training records that contain a tracked mode
+  double share = 0.5;      ///< smallest fraction of training records with a tracked mode
   double broad_sd = 0.08;  ///< standard deviation of ln f in the broad normal density
   double broad_share = 0.05;
   double walk = 0.3;  ///< sd of the random-walk step of a_k, divided by TrackedMode::scatter
@@ -69,7 +69,7 @@ class ModeTracker {
  public:
   /// Finds the modes to track and estimates their scatter, shapes and detection probabilities D
   /// from `records` in order of time. `covariates` is n x c; c may be 0. Throws
-  /// std::invalid_argument if no mode is in the required share of the records.
+  /// std::invalid_argument if no mode is in the required fraction of records.
   ModeTracker(const std::vector<IdentifiedRecord>& records, const Eigen::MatrixXd& covariates,
               const TrackingOptions& options = {});
 

@@ -18,7 +18,7 @@
 namespace wheeltap::identification::monitoring {
 
 struct WeatherTruth {
-  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean, and amplitudes of season and day
+  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean; amplitudes of annual and daily cycle
   double front_sd = 3.0, front_hours = 60.0;     ///< sd [°C] and time constant [h] of front(t)
   double first_day = 0.0;                        ///< day of the year at time zero
 };

@@ -31,8 +31,8 @@ class HingeRegression {
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
 /// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² has a closed form
-/// (Rasmussen & Williams 2006, equation 5.8). If the training period has more rows, kMostPoints
-/// evenly spaced rows are used.
+/// (Rasmussen & Williams 2006, equation 5.8). If the training period has more than kMostPoints
+/// rows, kMostPoints evenly spaced rows are used.
 class ProcessRegression {
  public:
   static constexpr int kMostPoints = 300;

@@ -70,7 +70,7 @@ class TestData {
   [[nodiscard]] const TestDesign& design() const { return design_; }
   /// Writes the mean data for these modes to `out`.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
-  /// Change of the mean data by unknown coefficients with the coordinates z, linear in z.
+  /// Change of the expected data caused by the unknown coefficients; linear in their coordinates z.
   [[nodiscard]] Eigen::VectorXd unknown_effect(const Eigen::VectorXd& z) const;
   /// Writes the simulated data of a test with these modes to `out`.
   void measured(const TestModes& modes, const TestNumbers& numbers,
@@ -80,7 +80,7 @@ class TestData {
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
   /// True if the data contain the shape of the mode: the mode is not close to another mode, and it
-  /// moves at least one sensor.
+  /// is nonzero at one sensor or more.
   [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 
@@ -110,13 +110,13 @@ class TestData {
   Eigen::Index size_ = 0;
 };
 
-/// Predicted modes for a defect at every place, at the quantiles i/S of the severity's prior.
+/// Predicted modes for a defect at every location, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
-  std::vector<std::vector<TestModes>> modes;    ///< modes for each place and each quantile
-  std::vector<std::vector<double>> severities;  ///< severity per place and quantile
-  /// Two defects with severities at the middle quantiles, for every possible pair of places.
+  std::vector<std::vector<TestModes>> modes;    ///< modes for each location and each quantile
+  std::vector<std::vector<double>> severities;  ///< severity per location and quantile
+  /// Two defects with severities at the middle quantiles, for every possible pair of locations.
   struct Pair {
-    int a = 0, b = 0;  ///< places, a < b
+    int a = 0, b = 0;  ///< locations, a < b
     TestModes modes;
   };
   std::vector<Pair> pairs = {};

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 
 struct RepeatedTests;
 
-/// A sensor and the motion that it measures.
+/// A sensor and the displacement or rotation that it measures.
 struct Sensor {
   std::string name;  ///< "B, x"
   fem::SparseRow motion;

@@ -33,8 +33,8 @@ struct RepeatedTestsOptions {
 
 /// Smallest number of tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
-/// Smallest share of tests that must identify a mode. With a smaller share, the draws of the
-/// missing frequencies are so strongly correlated that the sampler does not converge.
+/// A mode must be identified in at least this fraction of the tests. In fewer, the draws of missing
+/// frequencies are so strongly correlated that the sampler does not converge.
 inline constexpr double kLeastShare = 0.05;
 /// A test whose posterior mean weight is below this limit is a probable outlier.
 inline constexpr double kOutlierWeight = 0.25;
@@ -70,12 +70,12 @@ struct RepeatedTests {
 /// Number of standard errors (N^-1/2) beyond which a serial correlation is significant.
 inline constexpr double kSerialLevel = 2.0;
 
-/// Infers the mean frequencies and the scatter of repeated tests.
-/// \param frequencies_hz tests × modes, > 0; NaN: not identified
-/// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
-/// tests. Throws std::invalid_argument, with the mode, in three cases: a frequency is not
-/// positive; all frequencies of a mode are equal; a mode was identified, but in fewer than
-/// kLeastTests tests or in less than the share kLeastShare of the
+/// Infers the mean frequencies and the scatter of repeated tests. \param
+/// frequencies_hz tests × modes, > 0; NaN: not identified The results, except
+/// `serial_correlation` and `inflation`, do not depend on the order of the tests.
+/// Throws std::invalid_argument, with the mode, in three cases: a frequency is not
+/// positive; all frequencies of a mode are equal; a mode was identified, but in
+/// fewer than kLeastTests tests or in less than the fraction kLeastShare of the
 /// tests.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});

@@ -14,17 +14,17 @@
 
 namespace wheeltap::inference {
 
-/// Source of a model's probability: the share of the model's draws, or its evidence if a chain did
-/// not visit the model although it should have.
+/// Source of a model's probability: the fraction of draws in the model, or its evidence if a chain
+/// should have visited the model but did not.
 enum class Basis { draws, evidence };
 
 /// Probability and evidence of one model.
 struct ModelStanding {
   double probability = 0.0;  ///< model probability; 0 with `mcse` = NaN if it is unknown
   /// Monte Carlo standard error of `probability`. For a probability from draws, the error is at
-  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less. The error then
-  /// also includes the excess of the SMC draws (annealed_excess). For a probability from evidence,
-  /// the error follows from the errors of all evidences.
+  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less; this error
+  /// includes the excess of SMC draws (annealed_excess). For a probability from evidence, the error
+  /// follows from the errors of all evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
   Basis basis = Basis::draws;
   int visited = 0;    ///< number of chains with draws of the model
@@ -54,8 +54,8 @@ struct Standings {
 
 /// Computes the probabilities. The evidence of a model comes from bridge sampling, which uses the
 /// draws. If bridge sampling has no result, the evidence comes from importance sampling with a
-/// finite error, otherwise from SMC. Every chain should visit a model if its probability by
-/// evidence times the number of effective draws per chain exceeds 10.
+/// finite error, otherwise from SMC. Every chain should visit a model if the model probability from
+/// the evidence, times the effective draws per chain, exceeds 10.
 [[nodiscard]] Standings standings(const Posterior& posterior, const ModelShares& shares,
                                   const Mixing& mixing);
 

@@ -21,20 +21,20 @@ struct ExplorationOptions {
   long climbs = 0;       ///< ModeSearchOptions::climbs
   long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
-  bool anneal = true;    ///< run SMC from the prior, with as little work as suffices
+  bool anneal = true;    ///< run SMC from the prior, but only as much as needed
   /// If true, run local optimisations only, for one of very many models. The evidence is then
   /// computed by Laplace's method, with an assumed error of one nat. The population is drawn from
   /// the normal approximations at the posterior modes.
   bool climbs_only = false;
   /// If true, use prior draws as starting points only if `starts` lead to no posterior mode
   bool from_starts = false;
-  /// Particles of a full SMC run, in four replicates together, of a model with up to 20 dimensions
+  /// Total number of particles in four replicates of a full SMC run (up to 20 dimensions)
   int particles = 1200;
   int rounds = 5;             ///< largest number of rounds of importance sampling
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
-  /// Draws of another method, draws × dimension, e.g. tempering over all models.
+  /// Draws by another method, e.g. tempering over all models; draws × dimension.
   Eigen::MatrixXd draws{};
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the exploration ends.
@@ -63,7 +63,7 @@ struct ExplorationCalls {
 struct ModelExploration {
   /// Posterior modes, the mode with the largest probability mass first
   std::vector<Mode> modes;
-  std::vector<double> shares;  ///< share of the model's probability mass near each mode
+  std::vector<double> shares;  ///< fraction of the probability mass near each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
   long left_out = 0;     ///< ModeSearch::left_out
@@ -115,8 +115,8 @@ struct ModelExploration {
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
-/// The first part of explore_model: local optimisations, and importance sampling about the modes
-/// found.
+/// The first part of explore_model: local optimisations, and importance sampling around the
+/// posterior modes found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
 /// The second part of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a

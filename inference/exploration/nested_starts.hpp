@@ -21,7 +21,7 @@ namespace wheeltap::inference {
 
 /// Starting points of local optimisations in `model`, from the best posterior modes of at most
 /// `most` explored models nested in `model`. Models that lack the fewest parameters of `model` come
-/// first, then models with the highest evidence. Each model gives two points: with the missing
+/// first; among equals, the highest evidence. Each model gives two points: with the missing
 /// parameters at the median of their priors, and at the 7 % quantile (z = -1.5). For a coefficient
 /// of either sign, the median means no effect; for a positive coefficient, the quantile means a
 /// small effect. The search thus finds a force law that has one more term than a force law already

@@ -123,8 +123,8 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 /// because a density cannot have these values.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
-/// The map x → 2·center - x of one parameter of the components of one kind, under which the
-/// likelihood is (nearly) unchanged. An example is the mirror image of a location in a symmetric
+/// The map x → 2·center - x, applied to one parameter of each component of a kind. The likelihood
+/// is (nearly) invariant under it. An example is the mirror image of a location in a symmetric
 /// structure.
 struct Reflection {
   int kind = 0;       ///< index into ModelSpace::kinds()
@@ -139,8 +139,8 @@ class Move;
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// Largest factor by which the engine may increase the share of MCMC steps that use this move.
-  /// The share increases if the move changes the model more often than the engine's own moves at
+  /// Largest factor by which the engine may increase the fraction of MCMC steps that use this move.
+  /// The fraction increases if the move changes the model more often than the engine's own moves at
   /// equal run time.
   double most = 1.0;
 };

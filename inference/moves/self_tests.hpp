@@ -60,7 +60,7 @@ struct MoveCheck {
 /// h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
 /// section 2, who test invariance). Half of the tests use β = 0. The other half use the largest β
 /// of 1, ½, ¼, … at which the effective sample size is a twentieth of the draws. The test detects a
-/// wrong ratio, a wrong Jacobian, a ratio that omits the numbers of possible choices, and a reverse
+/// wrong ratio, a wrong Jacobian, a ratio without the numbers of possible choices, and a reverse
 /// move that does not lead back. A move that is never accepted passes; `words` states this. The
 /// approximate likelihood of the problem is not used.
 ///

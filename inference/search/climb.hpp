@@ -11,7 +11,7 @@
 
 namespace wheeltap::inference {
 
-/// ln π(z) as a function of labelled vectors, which is symmetric in the components. ln π is -∞ for
+/// ln π(z) for components in any order, and therefore symmetric in the components. ln π is -∞ for
 /// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its likelihood evaluations.
 class Surface {
  public:
@@ -37,7 +37,7 @@ class Surface {
   /// Number of likelihood evaluations that exact derivatives have saved in comparison with central
   /// differences.
   [[nodiscard]] long saved() const { return saved_; }
-  /// Transfers the state between two calls to the Surface of another rank.
+  /// Copies the state that exists between two calls to the Surface of another rank.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);
@@ -51,7 +51,7 @@ class Surface {
  private:
   ModelPosterior posterior_;
   std::vector<double> ordered_, batch_;
-  std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
+  std::vector<Eigen::Index> places_;  ///< column of each batch entry
   std::vector<ModelPosterior::Value> values_;
   long gradients_ = 0, refusals_ = 0;  ///< number of gradients; number of points without a gradient
   long saved_ = 0;

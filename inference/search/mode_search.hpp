@@ -34,8 +34,8 @@ struct ModeSearchOptions {
   std::vector<std::vector<double>> starts{};
   bool fine = false;  ///< `starts` are near modes: use small difference steps (climb.hpp)
   int threads = 0;    ///< threads; 0: all of the machine. Results do not depend on this number.
-  /// Callback, called from one thread with the completed share. If the callback returns false, the
-  /// search ends.
+  /// Callback, called from one thread with the completed fraction. If the callback returns false,
+  /// the search ends.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns
   /// true, the search ends, and optimisations in progress are discarded.
@@ -49,7 +49,7 @@ struct ModeSearch {
   /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
   /// Number of further modes, left out because a search keeps a limited number of modes, and their
-  /// share of the probability mass by Laplace's method.
+  /// fraction of the probability mass (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   long likelihood_evaluations = 0;
@@ -69,7 +69,7 @@ inline constexpr long kMostClimbs = 10000;
 /// mode. If the likelihood offers a Gauss-Newton approximation, the optimisation uses Levenberg &
 /// Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this method does
 /// not converge. If modes are known, one or two Newton steps with the curvature of the nearest mode
-/// are tried first. If these steps converge to the known mode, and three points on the way show no
+/// are tried first. If these steps converge to the known mode, and three points on the path show no
 /// other mode, the optimisation is complete after a few evaluations. Thousands of optimisations are
 /// thus affordable if the posterior is nearly normal.
 ///

@@ -24,8 +24,8 @@ struct LinkCurve {
                                                               const inference::Posterior& posterior,
                                                               int model);
 
-/// Force law of a link, averaged over the models: over weighted draws of all models, each evaluated
-/// with its model's force laws.
+/// Force law of a link, averaged over the models: the average of the weighted draws of all models,
+/// each evaluated with the force laws of its model.
 struct LinkLaw {
   /// Static tension for the extensions that occur in the motion at the posterior mean of the most
   /// probable model.

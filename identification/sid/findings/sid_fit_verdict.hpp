@@ -1,4 +1,4 @@
-// Diagnoses whether the most probable equation of motion explains the record.
+// Goodness of fit: does the most probable equation of motion explain the record?
 #pragma once
 
 #include "identification/findings/fit_verdict.hpp"
@@ -6,7 +6,7 @@
 
 namespace wheeltap::identification {
 
-/// Diagnoses the fit of the most probable model with draws, at its best draw. Reasons for a misfit:
+/// Assesses the fit of the most probable model with draws, at its best draw. Reasons for a misfit:
 ///
 /// - R² of a response is below 1/2 and its residuals are not white (white residuals mean that the
 ///   response is mostly sensor noise);

@@ -48,9 +48,9 @@ struct RunOptions {
 [[nodiscard]] std::pair<int, int> elements_of(const inference::Prior& location,
                                               const fem::Beam& beam);
 
-/// The design of `spec` for `count` damages: a grid, or points scattered over the priors of `kind`,
-/// with damages sorted by location, at midpoints of elements. Throws std::invalid_argument for more
-/// than 10 million runs, and for a location prior that covers one element.
+/// The design of `spec` for `count` damages: a grid, or a space-filling design over the priors of
+/// `kind`, with damages sorted by location, at midpoints of elements. Throws std::invalid_argument
+/// for more than 10 million runs, and for a location prior that covers one element.
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 

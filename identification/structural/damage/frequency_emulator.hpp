@@ -19,8 +19,8 @@ namespace wheeltap::identification {
 class FrequencyEmulator {
  public:
   /// Makes the runs of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the error
-  /// on holdout runs. `kind` gives the range of scattered designs. Throws std::invalid_argument if
-  /// a design exceeds 10 million runs or does not cover the priors, or if `runs` is incomplete;
+  /// on holdout runs. `kind` gives the range of space-filling designs. Throws std::invalid_argument
+  /// if a design exceeds 10 million runs or does not cover the priors, or if `runs` is incomplete;
   /// throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);

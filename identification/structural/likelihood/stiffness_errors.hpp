@@ -29,8 +29,8 @@ class StiffnessPieces {
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
   /// For a softening that leaves the fraction q of a strain's stiffness, this is q (1 - q) times
-  /// the energy of the strain before softening. (If the flexibility of a part is 1 + a times that
-  /// of the model, the part loses a share of stiffness that is smaller by (1 - q) a.)
+  /// the energy of the strain before softening. (If a part's flexibility is 1 + a times that of the
+  /// model, the part loses a fraction of stiffness smaller by q (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;

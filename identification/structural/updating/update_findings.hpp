@@ -49,7 +49,7 @@ struct ModeFinding {
   Marginal frequency_hz = {};             ///< frequency of the computed mode
   double residual = 0.0;                  ///< residual divided by its sd: mean over the draws
   int computed = 0;                       ///< computed mode that draws match most often, from 1
-  double matched = 1.0;                   ///< share of the draws with the match `computed`
+  double matched = 1.0;                   ///< fraction of the draws with the match `computed`
   /// Probability that the mode is spurious, if modes may be spurious
   double spurious = 0.0;
   bool has_shape = false;

@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 /// "shape_discrepancy" and "mixing"; the noise parameters of added observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
-  double seconds_a_likelihood = 0.0;  ///< estimated run time of one likelihood on this machine [s]
+  double seconds_a_likelihood = 0.0;  ///< run time of a likelihood evaluation on this machine [s]
 
   /// Noise parameters at x, including the emulator's error variance at x.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;

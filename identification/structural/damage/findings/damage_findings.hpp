@@ -1,4 +1,4 @@
-// Results of a damage identification: number, places and severities of defects; fit to data.
+// Results of a damage identification: number, locations and severities of defects; fit to data.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Place {
   std::optional<Marginal> extent = {};  ///< marginal of the extent [m], if the extent is unknown
 };
 
-/// Posterior places of the defects of one kind.
+/// Posterior locations of the defects of one kind.
 struct KindFinding {
   std::vector<double> expected;                    ///< expected number of defects in each cell
   std::map<int, std::vector<double>> given_count;  ///< the same, given each number of defects > 0
@@ -38,7 +38,7 @@ struct KindFinding {
 /// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects in front of and behind their mirror images
+    double left, right;  ///< defects that precede or follow their mirror images: expected numbers
     double mcse_of_difference;
   };
   double center;  ///< [m], for a beam

@@ -23,7 +23,7 @@ namespace wheeltap::identification {
 /// Draws of one model in which damages of a kind are merged.
 struct MergedModel {
   int model = 0;
-  double merged = 0.0;  ///< share of draws in which damages were merged
+  double merged = 0.0;  ///< fraction of draws in which damages were merged
   int count = 0;        ///< most frequent number of damages after merging
   // The longest merged damage in each of these draws, on the part where it occurs most often:
   int stretch = 0;
