@@ -43,16 +43,19 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
             "Model 'two' has no draws after 12 proposals; its evidence is not known. Run "
             "longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
-            "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found "
-            "(about 30 % of that model's probability). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
-            "No chain has draws of a mode of model 'one' that the searches found (about 30 % "
-            "of that model's probability). Run longer (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
+      "Only 3 of 4 chains have draws near a posterior mode of model 'one' that the searches found "
+      "(about 30 % of that model's probability). Run longer (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
+      "No chain has draws near a posterior mode of model 'one' that the searches found (about 30 % "
+      "of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeSharesDisagree{
                 .model = 0, .lowest = 0.1, .highest = 0.7, .rhat = 1.3456, .limit = 1.05}),
-            "The chains disagree about a mode of model 'one': the share of this mode in the draws "
-            "of that model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
+            "The chains disagree about a posterior mode of model 'one': the fraction of the "
+            "model's draws near this mode is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, "
+            "--draws).");
   EXPECT_EQ(sentence(EvidenceUnreliable{.model = 1,
                                         .pareto = 0.93,
                                         .limit = 0.7,
@@ -64,7 +67,7 @@ TEST(VerdictWords, OfEachReason) {
             "(--search) "
             "or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModesLeftOut{.model = 0, .modes = 12, .share = 0.05}),
-            "The search for the modes of model 'one' found 12 modes more than it can keep "
+            "The search for posterior modes of model 'one' found 12 modes more than it can keep "
             "(about 5 % of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingFindsMore{.model = 0,
                                         .annealed = {.value = -47.5, .mcse = 0.1},
