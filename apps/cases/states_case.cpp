@@ -136,7 +136,7 @@ class MassParser {
 
   [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
                                 const std::vector<std::string>& names) const {
-    file_.refuse(at / "node", "no place has this name" + did_you_mean(name, names));
+    file_.refuse(at / "node", "no location has this name" + did_you_mean(name, names));
   }
 
   const CaseFile& file_;
