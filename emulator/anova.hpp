@@ -1,4 +1,4 @@
-// ANOVA emulator: prediction of responses for many components from tables for one and two
+// ANOVA emulator: predicts responses for many components from tables for one and for two
 // components. The number of model runs for the tables does not depend on the number of components.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace wheeltap::emulator {
 
-/// The additive quantity: a function of a response f whose changes by several components are
+/// The additive quantity: a function of a response f. Its changes due to several components are
 /// summed.
 enum class Additive {
   response,   ///< f itself

@@ -11,7 +11,7 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
-/// threshold; i = 0, 1, … numbers these laws.
+/// threshold; i = 0, 1, … is the index among these laws.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;

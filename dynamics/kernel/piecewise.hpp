@@ -12,7 +12,7 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// the current regime. An interval with a switch uses Taylor series. A switch is detected by the
 /// sign of e - threshold at the end of the interval, or if the tangents of e - threshold at both
 /// ends cross zero. If the sample interval is long relative to the shortest natural period, all
-/// samples use Taylor series.
+/// intervals use Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:

@@ -32,8 +32,8 @@ void validate(const MatrixStructure& structure);
 
 /// Discretises the structure: K_rest is K, and its parts are the summands of K. This function does
 /// not search for rigid-body motions; `structure_modes` reports a structure that can move without
-/// resistance as a mechanism. Throws the exceptions of `validate`; of M, it checks the diagonal and
-/// all pairs of degrees of freedom only.
+/// resistance as a mechanism. Throws the exceptions of `validate`, but checks only the diagonal and
+/// the 2 × 2 principal minors of M.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// Drawing of a structure as points and lines, with the motion of every point in a mode shape.
+// Drawing of a structure as points and lines, with the displacement of every point in a mode shape.
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ struct PrintedDigits {
 
 /// Converts a number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma
 /// or point between two groups of digits ("1,234") could be the decimal mark. `proven` is true if
-/// other numbers of the text show that this character separates thousands.
+/// other numbers of the text show that the character separates thousands.
 [[nodiscard]] std::optional<double> parse_grouped_number(std::string_view text, char decimal,
                                                          bool proven = false);
 

@@ -19,15 +19,15 @@ struct ModalOptions {
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
   std::vector<int> references = {};  ///< reference channels; empty: all channels
-  /// Poles chosen by the user in the stabilisation diagram; if empty, selection is automatic.
+  /// Poles chosen by the user in the stabilisation diagram; empty: automatic selection.
   std::vector<ChosenPole> poles = {};
   int threads = 0;
 };
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< identified in less than half of the model orders from the first order with
-                    ///< this mode
+  few_orders,       ///< identified in less than half of the model orders, counted from the first
+                    ///< order with the mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
@@ -47,7 +47,7 @@ struct Mode {
   double collinearity = 0.0;     ///< modal phase collinearity
   double phase_deviation = 0.0;  ///< mean phase deviation [rad]
   int present = 0, orders = 0;   ///< number of model orders with this mode; number of all model
-                                 ///< orders from the first order with this mode on
+                                 ///< orders, counted from the first with this mode
   double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
                                     ///< a sine, 2 for noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
@@ -60,7 +60,7 @@ enum class ModalMethod {
   polyreference,  ///< from frequency response functions (polyreference.hpp)
   realisation,    ///< from free decays (free_decay.hpp)
   decomposition,  ///< peaks of spectra (frequency_domain_decomposition.hpp)
-  enhanced,       ///< decay of the correlation functions that belong to the spectra
+  enhanced,       ///< decay of the correlation functions, computed from the spectra
   bayesian        ///< Bayesian inference in frequency bands
                   ///< (identification/modal/bayesian_modes.hpp)
 };

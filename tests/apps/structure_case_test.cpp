@@ -312,9 +312,8 @@ TEST(StructureSection, Refusals) {
 TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/nodes/A", {0, 0, 0}),
                  "/structure/nodes/A: [0,0,0]: must be [x, y]");
-  expect_refused(
-      changed("/structure/nodes/B", {0, 0}),
-      "/structure/members/0: member \"left post\": its ends at A and B are the same place");
+  expect_refused(changed("/structure/nodes/B", {0, 0}),
+                 "/structure/members/0: member \"left post\": its ends at A and B coincide");
   expect_refused(changed("/structure/members/0/nodes", {"A", "A"}),
                  "/structure/members/0/nodes: [\"A\",\"A\"]: are the same node");
   expect_refused(changed("/structure/members/0/nodes/1", "X"),
@@ -351,7 +350,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
                  "/structure/members/1/wdith: 1: unknown key");
   json arm = cantilever_in_space();
   arm["structure"]["members"][0]["up"] = {1, 0, 0};
-  expect_refused(arm, "/structure/members/0: member \"arm\": \"up\" runs along the member");
+  expect_refused(arm, "/structure/members/0: member \"arm\": \"up\" is parallel to the member");
 }
 
 TEST(StructureCase, RefusesWhatIsWrongAtANode) {

@@ -22,9 +22,9 @@ struct StructureFamily {
   std::function<std::vector<double>(std::span<const double>)> scales = {};
 };
 
-/// The decomposition K(θ) = Σ_t q_t(θ) K_t, with q_t(θ₀) = 1, and M(θ). Strains that keep their
-/// direction and whose stiffness changes by the same factor form one term. If K is given as
-/// matrices, each part of K is a term. A term may have any rank.
+/// The decomposition K(θ) = Σ_t q_t(θ) K_t, with q_t(θ₀) = 1, and M(θ). Strains form one term if
+/// their directions do not depend on θ and their stiffnesses change by the same factor. If K is
+/// given as matrices, each part of K is a term. A term may have any rank.
 ///
 /// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
 /// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).

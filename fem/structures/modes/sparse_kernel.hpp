@@ -38,7 +38,7 @@ struct SparsePattern {
 };
 
 /// Functions compiled for one instruction set. The arrays hold 1 or 4 matrices or vectors together:
-/// entry i of matrix w is at i W + w.
+/// entry i of matrix w has the index i W + w.
 struct SparseKernel {
   const char* name;
   void (*factorise)(const SparsePattern&, double* diagonal, double* lower);
