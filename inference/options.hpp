@@ -95,12 +95,12 @@ struct Options {
     /// those of the saved run.
     std::shared_ptr<const Checkpoint> from = nullptr;
 
-    // Saving many draws repeatedly takes time and memory. With the following callbacks, blocks of
-    // `part` draws of a chain are saved once, separately, and the checkpoints passed to `save` omit
+    // Saving many draws repeatedly takes time and memory. The following callbacks save parts of a
+    // chain's draws (`part` draws each) once and separately; the checkpoints passed to `save` omit
     // these draws. Keep a part until a checkpoint with a later first part has been saved
     // (inference::parts_of).
-    /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
-    /// again later.
+    /// Saves the part of the draws with index `number`. Returns false if saving failed and the
+    /// engine should try again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
     /// Loads a saved part of the draws, for a run resumed with `from`
     std::function<Checkpoint(long number)> saved_draws = nullptr;

@@ -18,9 +18,9 @@ struct Unexplained {
   double r2;
 };
 /// Reason for a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
-/// the stated noise (predictive p). Its RMS is also not small: it exceeds `kSmallResidual` times
-/// the RMS of the response, or three times the residual of a chain of masses with free cubic
-/// springs.
+/// the stated noise (predictive p). In addition, the residual is not small: its RMS exceeds
+/// `kSmallResidual` times the RMS of the response, or three times the residual of a chain of masses
+/// with free cubic springs.
 struct NotNoise {
   std::string channel;
   double share;          ///< RMS of the residual divided by RMS of the response
@@ -73,7 +73,7 @@ struct FitVerdict {
   /// Posterior predictive p-value: P(χ² of replicated data > χ² of the data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  /// The most probable model, if it does not explain the data but the less probable `model` does
+  /// The most probable model, if the less probable `model` explains the data and it does not
   int instead_of = -1;
   std::vector<misfit::Reason> why_not = {};  ///< reasons why `instead_of` does not explain the data
 

@@ -51,7 +51,7 @@ struct NearlyPrior {
 
 // ---- structures ---------------------------------------------------------------------------
 
-/// A material property outside the range of real materials. Its unit is probably wrong.
+/// A material property outside the range of real materials. The unit is probably wrong.
 struct ImplausibleMaterial {
   enum class Property { young, density, speed_of_sound };
 
@@ -225,8 +225,8 @@ struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels with an unknown unit or a unit of another physical dimension. Their samples are used
-/// without conversion.
+/// Channels with an unknown unit or a unit of another physical dimension. The samples of these
+/// channels are used without conversion.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;
@@ -324,8 +324,8 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
-/// the fraction `share` of the model's draws, its gap never closes.
+/// A one-sided force law (for example of a stop) produces no force in the predicted motion of any
+/// record. In the fraction `share` of the model's draws, its gap never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link

@@ -72,7 +72,7 @@ class BandProblem {
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The inference problem of the band, with one model. It holds a reference to this object.
+  /// The inference problem of the band, with one model. The problem refers to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:

@@ -63,11 +63,11 @@ struct Innovations {
   Eigen::MatrixXd relative_variance = {};
 };
 
-/// Innovations of the first draw's filter, with its trained coefficients, in rows [from, to) of
-/// the series. The drift begins with its stationary distribution, and lagged covariates follow
-/// from the rows before `from`, so that the rows may be anywhere in the training period. Rows
-/// whose weather is unknown (is_weather_known) are omitted, unless they are more than half of all
-/// rows.
+/// Innovations of the first draw's filter, with its trained coefficients, in rows [from, to) of the
+/// series. The drift begins with its stationary distribution, and lagged covariates follow from the
+/// rows before `from`, so that the rows may be anywhere in the training period. Rows whose weather
+/// is unknown (is_weather_known) are omitted, unless the weather of more than half of all rows is
+/// unknown.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& series,
                                               int from, int to);
 

@@ -5,11 +5,11 @@
 //   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
 //   τ)/kTransientHours)
 //
-// A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
-// modal identification. The model without a change is a mixture: the baseline, and transients that
-// began at any row. A change must explain the data better than this mixture. The probability of a
-// decayed transient is transferred to the baseline. At each row, so is the probability that a
-// transient has ended.
+// A transient is a temporary effect of thaw, wind, traffic or wrong modal identification. A
+// transient does not count as a change. The model without a change is a mixture: the baseline, and
+// transients that began at any row. A change must explain the data better than this mixture. The
+// probability of a decayed transient is transferred to the baseline. At each row, so is the
+// probability that a transient has ended.
 //
 // A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each

@@ -26,7 +26,7 @@ struct Rectangle {
 
 /// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if the
 /// normal density of one variable is inside the rectangle at all relevant values of the other
-/// variable. Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre
+/// variable. In all other cases, the integral along y has a closed form, and 12-node Gauss-Legendre
 /// quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);

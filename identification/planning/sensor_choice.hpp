@@ -27,8 +27,8 @@ struct ChoiceOptions {
 ///   H = S² / (S² + (1 - S)²).
 ///
 /// S > 1/2 implies that the most probable count and sites are true, and that the median locations
-/// are within the tolerance. H is a smooth approximation of the indicator of this event. Its mean
-/// can be estimated from fewer simulated tests than the frequency of the event.
+/// are within the tolerance. H is a smooth approximation of the indicator of this event. The mean
+/// of H needs fewer simulated tests than the frequency of this event (for equal precision).
 [[nodiscard]] double location_score(const TestOutcome& outcome);
 
 /// A design with its mean location score in tests with at least one defect.

@@ -193,8 +193,8 @@ struct SidCase {
   int beyond = 0;
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
-  /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if this
-  /// motion, and not the case, is the reason to infer the initial state.
+  /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if the
+  /// initial state is inferred because of this motion, and not by request of the case.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;
@@ -202,8 +202,8 @@ struct SidCase {
   double band = 0.97;
   bool balance = false;  ///< true: sample all models about equally often, reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the time steps. If they are too long, the run reports the error and is
-  /// not repeated.
+  /// True if the case fixes the time steps. If the steps are too long, the run reports the error
+  /// and is not repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;

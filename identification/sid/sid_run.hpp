@@ -45,7 +45,7 @@ struct SidRun {
   inference::Options engine;  ///< options of the sampler in the run
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< settings of the last repeat
-  /// The used part of the record, if a quick run used only a part
+  /// Samples that a quick run used, if it did not use the whole record
   std::optional<Look> look = {};
   std::vector<Remark> doubts = {};  ///< remarks passed to `doubt`
 };
@@ -61,15 +61,15 @@ struct SidRun {
 
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
-/// the chain allow this. Otherwise they use shorter steps, because the error is proportional to the
-/// fourth power of the step. The function tests the settings on the best draws and refines them
-/// again if the error is still too large, for example for chaotic motion.
+/// the chain allow this. For all other force laws, the steps are shorter, because the error is
+/// proportional to the fourth power of the step. The function tests the settings on the best draws
+/// and refines them again if the error is still too large, for example for chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
 /// Returns the sampler's options for a given run time per likelihood evaluation. If a run with the
-/// defaults takes less than about a minute on two cores, the function returns the defaults.
-/// Otherwise, it sets the number of draws to what two cores compute in one minute. The actual
+/// defaults takes less than about a minute on two cores, the function returns the defaults. For
+/// longer runs, it sets the number of draws to what two cores compute in one minute. The actual
 /// number of cores has no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 

@@ -63,7 +63,7 @@ struct RepeatedTests {
 
   /// Correlation r_j of consecutive tests, in the order given, per mode. Significant correlation
   /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
-  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
+  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. If not, inflation_j = 1.
   std::vector<double> serial_correlation = {}, inflation = {};
 };
 

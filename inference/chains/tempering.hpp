@@ -122,7 +122,7 @@ class TemperedChain {
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
 /// the first model, if the likelihood of all models is zero at every draw. The optional function
 /// `goes_on` is called before every draw with the number of completed draws divided by the largest
-/// possible number. If it returns false, the remaining models are not checked.
+/// possible number. If `goes_on` returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

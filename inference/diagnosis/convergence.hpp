@@ -32,7 +32,7 @@ struct ConvergenceLimits {
   double slack_probability = 0.005;
   double slack_nats = 0.5;
   double probable_model = 0.05;
-  /// Model probability above which the convergence of its parameters is judged
+  /// If a model has more than this probability, the convergence of its parameters is judged
   double judged_model = 0.01;
   double searched_model = 0.001;  ///< model probability above which a full search is required
   /// The chains must agree on the probability P of a posterior mode if P and 1 - P exceed this

@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 /// every model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
-  std::function<ChainsOf()> draws;  ///< called when the quantity is judged, one at a time
+  std::function<ChainsOf()> draws;  ///< called to judge the quantity, never concurrently
 };
 
 struct Mixing {

@@ -150,8 +150,8 @@ struct Posterior : RunRecord {
     const auto width = static_cast<std::size_t>(dimension);
     return {chains[c].theta.data() + i * width, width};
   }
-  /// Chain and index of the draw with the largest likelihood. If several draws have this
-  /// likelihood, the first draw is returned.
+  /// Chain and index of the draw with the largest likelihood. If several draws have the largest
+  /// likelihood, the first of these draws is returned.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
   // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp), which requires

@@ -19,8 +19,8 @@ using LogApproximation = std::function<double(std::span<const double> z)>;
 /// - A walk adds a step with the covariance of a randomly selected component times s². Half of the
 ///   walks move all coordinates. The others move a random subset of the coordinates by longer
 ///   steps: in a density with heavy tails, only a few coordinates lie far in the tails.
-/// - A contraction selects a component N(μ, L Lᵀ) with the probability that it generated z = μ + L
-/// u,
+/// - A contraction selects a component N(μ, L Lᵀ) with the probability that this component
+///   generated z = μ + L u,
 ///   and proposes μ + L (√(1 - s²) u + s ξ) with ξ ~ N(0, I). This leaves q invariant, so the
 ///   acceptance depends only on the error of q (Neal 1998, Bayesian Statistics 6:475; Cotter et al.
 ///   2013, Statistical Science 28:424). In many dimensions, a contraction therefore moves farther

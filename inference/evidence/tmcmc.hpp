@@ -28,8 +28,8 @@ struct TmcmcOptions {
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant, finite at every finite z. Several threads may call this function at once. It
-  /// screens moves in stages with a small error (see `tmcmc`).
+  /// to a constant, finite at every finite z. Several threads may call this function at once. The
+  /// approximation screens moves in stages with a small error (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
@@ -66,9 +66,9 @@ struct Tmcmc {
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
 /// 89:539). The first part of the data leads from the prior to the posterior given the first 50
 /// time samples of the record. Each further part at most doubles the number of time samples. β is
-/// then the exponent of the likelihood of the new ones. The posterior of a long record lies at the
-/// end of a ridge. The ridge narrows gradually with the number of time samples, but suddenly with
-/// the exponent. Small pilot runs with each path decide which path is used.
+/// then the exponent of the likelihood of the new samples. The posterior of a long record lies at
+/// the end of a ridge. The ridge narrows gradually with the number of time samples, but suddenly
+/// with the exponent. Small pilot runs with each path decide which path is used.
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
@@ -81,9 +81,9 @@ struct Tmcmc {
 ///   rare, a replicate continues until 20 draws have a positive likelihood or 100 000 draws are
 ///   made. The estimate of this fraction remains unbiased.
 /// - A third of the proposals are drawn from a normal mixture. The others are walks and
-/// contractions
-///   (see SweepProposal), with scales adapted from sweep to sweep. Together, these proposals keep
-///   the shares of separate posterior modes balanced, and move far in many dimensions.
+///   contractions (see SweepProposal), with scales adapted from sweep to sweep. Together, these
+///   proposals keep the probabilities of separate posterior modes correct, and move far in many
+///   dimensions.
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.

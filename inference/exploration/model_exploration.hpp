@@ -115,12 +115,12 @@ struct ModelExploration {
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
-/// The first part of explore_model: local optimisations, and importance sampling around the
-/// posterior modes found.
+/// First stage of explore_model: local optimisations, and importance sampling around the posterior
+/// modes found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// The second part of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a
-/// run as long as needed.
+/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a run
+/// as long as needed.
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);

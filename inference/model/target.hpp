@@ -240,8 +240,8 @@ class Target {
   /// given, one per state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Computes the members of `state` that moves may use. These are all members except, if the
-  /// problem has an approximation, the full likelihood and its prediction.
+  /// Computes the members of `state` that moves may use: all members or, if the problem has an
+  /// approximation, all except the full likelihood and its prediction.
   void screen(State& state);
   /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
   /// log_screen of other states may be -∞.

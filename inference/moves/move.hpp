@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. They take a few microseconds,
-/// like a cheap likelihood. Work is counted and not measured in seconds, so that draws are the same
-/// on every machine.
+/// Number of multiplications that count as one likelihood evaluation. These operations take a few
+/// microseconds, like a cheap likelihood. Work is counted and not measured in seconds, so that
+/// draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.

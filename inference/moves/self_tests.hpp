@@ -1,6 +1,6 @@
-// Tests of user-defined priors and moves, to be called from the user's own test program. Such a
-// test detects a fault in seconds. In a run, the same fault would give wrong results without any
-// warning.
+// Tests of user-defined priors and moves, to be called from the user's own test program. A test
+// detects a faulty prior or move in seconds. In an MCMC run, the fault would give wrong results
+// without any warning.
 #pragma once
 
 #include <cstdint>

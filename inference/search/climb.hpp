@@ -1,4 +1,4 @@
-// A local optimisation (`climb`) to a mode of a model's posterior, and the Hessian at this mode.
+// Local optimisation (`climb`) to a posterior mode of one model, and the Hessian at this mode.
 #pragma once
 
 #include <functional>
@@ -34,7 +34,7 @@ class Surface {
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
   /// Returns Likelihood::has_exact_derivatives.
   [[nodiscard]] bool has_exact_derivatives() const { return posterior_.has_exact_derivatives(); }
-  /// Number of likelihood evaluations that exact derivatives have saved in comparison with central
+  /// Number of likelihood evaluations saved by exact derivatives, compared with central
   /// differences.
   [[nodiscard]] long saved() const { return saved_; }
   /// Copies the state that exists between two calls to the Surface of another rank.
@@ -92,7 +92,7 @@ struct ClimbEnd {
 /// If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance of z from a mode, in standard deviations of the mode.
+/// Squared distance of z from a mode, in sds of the normal approximation there.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

@@ -1,5 +1,5 @@
-// Search for the modes of one model's posterior by local optimisations that start from draws of
-// its prior.
+// Search for the posterior modes of one model by local optimisations that start from draws of its
+// prior.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct ModeSearchOptions {
 };
 
 struct ModeSearch {
-  std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
+  std::vector<Mode> modes;  ///< by decreasing probability mass, down to e^-25 of the largest
   long climbs = 0;          ///< number of completed optimisations from points of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower mode may lie between two points.

@@ -3,8 +3,8 @@
 //   δ_j(x, r) = ln f_j(x, r) - ln f_j(intact)
 //
 // f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
-// x and all severities r. It stores the shifts at nodes. All intervals between nodes are equally
-// probable a priori; inside an interval, shifts are interpolated linearly.
+// x and all severities r. The path stores the shifts at nodes. All intervals between nodes are
+// equally probable a priori; inside an interval, shifts are interpolated linearly.
 #pragma once
 
 #include <vector>

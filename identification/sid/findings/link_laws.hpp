@@ -34,8 +34,8 @@ struct LinkLaw {
   /// Force laws with memory do not contribute to this tension.
   std::vector<double> rate, q2_5, q50, q97_5;
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
-  /// a mass without other links; empty for other links. The map gives the tension Σ F - m ÿ of the
-  /// measured motion against extension and rate, with m at its posterior mean, at up to 500 points.
+  /// a mass without other links; empty for other links. The map gives the measured tension Σ F - m
+  /// ÿ against extension and rate at up to 500 points; m is the posterior mean of the mass.
   /// Extension, rate and acceleration are measured, or finite differences of measured values with
   /// the longest step that the frequency of the motion allows (half a radian). Quantities without
   /// measured values come from the model.

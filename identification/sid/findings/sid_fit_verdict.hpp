@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 ///   springs (free_cubic.hpp). If an autoregression whitens the residual, only the comparison with
 ///   free cubic springs counts;
 /// - after the window (SidCase::beyond), a residual exceeds kSmallResidual times the response and
-///   is more than twice the residual within the window, absolutely and relative to the response. It
-///   counts as a misfit only if all of up to 400 draws have such a residual.
+///   is more than twice the residual within the window, absolutely and relative to the response.
+///   The residual counts as a misfit only if all of up to 400 draws have such a residual.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

@@ -47,13 +47,13 @@ struct DamageProblem : StructuralProblem {
 struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
-  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. Its inputs are location
+  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. The inputs are location
   /// [m] and severity (and extent [m], if unknown) of each defect, for the largest number of
   /// defects of each kind: first the existing defects by location, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Forward model that replaces the FE solution: predicts the lowest elastic frequencies [Hz], or
-  /// modes if the case has shapes or correlated frequencies. It must match the structure of the
-  /// case and cannot be emulated.
+  /// modes if the case has shapes or correlated frequencies. The model must match the structure of
+  /// the case and cannot be emulated.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations that are added to the data of the case
   std::vector<std::shared_ptr<const Observation>> observations = {};
@@ -69,7 +69,7 @@ struct DamageProblemOptions {
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
-/// where σ²_emulator is zero unless an emulator predicts and the case adds its error. If the
+/// where σ²_emulator is nonzero only if an emulator predicts and the case adds its error. If the
 /// emulator only screens proposals ("exact"), this is the problem's likelihood `screen`, and the
 /// problem's `likelihood` uses the FE solution.
 ///

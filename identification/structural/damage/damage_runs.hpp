@@ -61,8 +61,8 @@ struct RunOptions {
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Makes the training runs of part `part` (0-based) of `parts` parts. Throws the
-/// exceptions of `run_table`.
+/// Divides the training runs into `parts` parts and makes the runs of part `part` (0-based). Throws
+/// the exceptions of `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

@@ -18,7 +18,7 @@ namespace wheeltap::identification {
 struct DefectKind;
 
 /// Effects of defects on a structure: defects on members and nodes, and direct changes of the
-/// stiffness of strains.
+/// stiffness of strain components.
 struct StructureEffects {
   fem::StructureDefects defects = {};
   fem::StructureChange change = {};

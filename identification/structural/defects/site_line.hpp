@@ -34,8 +34,8 @@ class SiteLine {
 
   SiteLine() = default;
   [[nodiscard]] static SiteLine of_beam(const fem::Beam& beam);
-  /// A line of members. Without weights, lengths on the line are in metres; otherwise, lengths are
-  /// proportional to the weights.
+  /// A line of members. Without weights, lengths on the line are in metres; with weights, lengths
+  /// are proportional to the weights.
   [[nodiscard]] static SiteLine of_members(const fem::Mesh& mesh, const std::vector<int>& members,
                                            const std::vector<double>& weights = {});
   /// A line of joints, storeys or substructures, with one stretch for each.

@@ -149,7 +149,7 @@ class ModalLikelihood {
   [[nodiscard]] ShapeDensity::Mixing mixing_of(const fem::ParametricModes::Modes& modes, int mode,
                                                Eigen::Index computed,
                                                const ModalNoise& noise) const;
-  /// The probability, for each measured mode, that it is not spurious, given θ.
+  /// The probability that each measured mode is not spurious, given θ.
   [[nodiscard]] Eigen::VectorXd real(const fem::ParametricModes::Modes& modes,
                                      const ModalNoise& noise) const;
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,

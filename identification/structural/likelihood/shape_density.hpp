@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification {
 
-/// The density of a measured shape ψ of m entries. Scale and sign of ψ are arbitrary; only its
+/// The density of a measured shape ψ with m entries. Scale and sign of ψ are arbitrary; only its
 /// direction is measured. With noise e ~ N(0, Σ), ψ = a φ + e and unknown amplitude a (flat prior),
 /// the density of the direction on the tangent plane at ψ̂ = ψ/|ψ| is
 ///

@@ -35,8 +35,8 @@ struct UpdateProblem : StructuralProblem {
 struct UpdateProblemOptions {
   int training = 200;  ///< number of prior draws that train the basis
   std::function<void(double)> progress = {};
-  /// External model. From the parameters of the structure, it computes the frequencies [Hz] of the
-  /// measured modes, then those of the modes to predict. If set, the structure is not used.
+  /// External model that computes, from the parameters of the structure, the frequencies [Hz] of
+  /// the measured modes, then those of the modes to predict. If set, the structure is not used.
   std::shared_ptr<OutsideModel> outside = {};
   std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
   int threads = 1;                                   ///< number of threads that train the emulator

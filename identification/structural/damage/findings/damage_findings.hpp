@@ -17,7 +17,7 @@
 
 namespace wheeltap::identification {
 
-/// A part of a beam or member with an expected number of defects of at least 0.1.
+/// A segment of a beam or member in which the expected number of defects is at least 0.1.
 struct Place {
   int stretch = 0;  ///< index of the member, joint or storey in the kind's line
   double from, to;  ///< [m]
@@ -30,7 +30,7 @@ struct Place {
 /// Posterior locations of the defects of one kind.
 struct KindFinding {
   std::vector<double> expected;                    ///< expected number of defects in each cell
-  std::map<int, std::vector<double>> given_count;  ///< the same, given each number of defects > 0
+  std::map<int, std::vector<double>> given_count;  ///< `expected`, given each number of defects > 0
   std::vector<Place> places;
 };
 

@@ -25,9 +25,9 @@ struct MergedModel {
   int model = 0;
   double merged = 0.0;  ///< fraction of draws in which damages were merged
   int count = 0;        ///< most frequent number of damages after merging
-  // The longest merged damage in each of these draws, on the part where it occurs most often:
+  // The longest merged damage in each of these draws, on the member where it occurs most often:
   int stretch = 0;
-  double fixed = 0.0;                   ///< length that one damage covers on this part [m]
+  double fixed = 0.0;                   ///< length that one damage covers on this member [m]
   Marginal location = {}, length = {};  ///< centre and length of the merged damage [m]
   Marginal reduction = {};
   double gain = 0.0;  ///< mean change of the log likelihood by merging
