@@ -52,9 +52,9 @@ using base::grouped;
 /// its evidence puts it at P ≈ 0.21 ± 0.02". The text is empty for a model with enough draws.
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
-/// Text on the resolution of the mode search: "posterior modes reached from less than 0.3 % of the
-/// prior may have been missed", and the widths of posterior modes for which this is true. The text
-/// is empty without a search.
+/// Text on the resolution of the searches for posterior modes: "posterior modes reached from less
+/// than 0.3 % of the prior may have been missed", and the widths of posterior modes for which this
+/// is true. The text is empty without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
 /// Data for the text of a remark, in addition to the numbers in the remark.

@@ -49,7 +49,7 @@ constexpr const char* kJson = "application/json";
 constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-// A report is a file of the user: its scripts may neither read the application nor open
+// A report is a file of the user: its scripts may neither read data of the application nor open
 // connections. "allow-modals" permits the dialog for printing.
 constexpr const char* kReportPolicy =
     "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src "
@@ -143,7 +143,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// Checks common to all resources. If a check fails, fills in the answer and returns false.
+  /// Checks common to all resources. If a check fails, fills in the response and returns false.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -191,7 +191,7 @@ class Application {
   }
 
   /// Runs `work` if fewer than kAtWork requests are being handled; converts its exceptions to
-  /// answers.
+  /// responses.
   template <class Work>
   void bounded(Response& response, const Work& work) {
     struct Leave {

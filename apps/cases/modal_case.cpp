@@ -58,8 +58,8 @@ std::string columns_listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Checks units: a shape compares channels, so that all channels must have one unit, or quantities
-/// that can be converted to each other.
+/// Checks units: the entries of a shape must be comparable. All channels must therefore have one
+/// unit, or quantities that can be converted to each other.
 void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   using Basis = signals::Conversion::Basis;
   std::vector<std::string> none, known;
@@ -100,7 +100,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity is that of the case; if missing, that of the unit; if missing, that of other
+  // The case may state the quantity. Otherwise the unit determines it or, without a unit, the other
   // channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
@@ -420,8 +420,8 @@ void collect_sensors(ModalCaseFile& out) {
     }
   if (!some)
     out.file.refuse(Pointer("/records"),
-                    "have no sensor in common (by node and direction, or references by column): "
-                    "their shapes cannot be merged");
+                    "have no sensor in common (the same node and direction or, without nodes, "
+                    "references with the same name): their shapes cannot be merged");
 }
 
 void take_bands(const CaseFile& file, SetUp& s) {

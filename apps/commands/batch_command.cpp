@@ -189,8 +189,8 @@ class Batch {
     report(at);
   }
 
-  /// Runs the program and waits until it ends. Returns false if the end of the batch stopped the
-  /// program.
+  /// Runs the program and waits until it ends. Returns false if a stop of the batch also stopped
+  /// the program.
   bool run_program(const std::vector<std::string>& words, int threads, int at,
                    BatchRow& row) const {
     constexpr int kMilliseconds = 200;

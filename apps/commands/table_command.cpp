@@ -31,7 +31,7 @@ struct TableOptions {
   std::vector<std::filesystem::path> merge;  ///< parts to merge; their runs are not repeated
 };
 
-// Parses "2/5", the second of five, to 0-based indices.
+// Parses "2/5" (the second of five parts) to 0-based indices.
 std::pair<int, int> parse_part(const std::string& text) {
   constexpr std::int64_t kMostParts = 1'000'000;
   const std::size_t slash = std::min(text.find('/'), text.size());

@@ -87,7 +87,7 @@ class StructureForward final : public OutsideModel {
   std::vector<double> x_;
 };
 
-/// The density ln p(data | x); as "posterior", ln p(data | x) + ln p(x).
+/// The log density ln p(data | x) or, for "posterior", ln p(data | x) + ln p(x).
 class Density final : public OutsideModel {
  public:
   Density(const inference::Problem& problem, int model, bool with_prior)
@@ -131,7 +131,7 @@ std::size_t defect_numbers(const DefectKind& kind) {
   return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
 }
 
-/// The part of the line of sites that has this site number. Throws std::invalid_argument for an
+/// The segment of the line of sites with this site number. Throws std::invalid_argument for an
 /// unknown number.
 const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
   for (const SiteLine::Stretch& stretch : kind.line.stretches())

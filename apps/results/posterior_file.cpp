@@ -54,7 +54,8 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 
 namespace {
 
-// The variable of a parameter that all models have: the parameter's name, unless it is in use.
+// The variable of a parameter that all models have: named like the parameter, unless this name is
+// in use.
 std::string common_variable(const std::string& name) {
   static const std::set<std::string> taken = {
       "model", "k",    "chain",        "draw",  "slot", "location", "reduction", "member",

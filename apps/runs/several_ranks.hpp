@@ -10,7 +10,8 @@
 
 namespace wheeltap::apps {
 
-/// Thrown on ranks other than 0 if rank 0 fails in work for all ranks. Rank 0 reports the error.
+/// Thrown on ranks other than 0 if rank 0 fails in work that it does for all ranks. Rank 0 reports
+/// the error.
 class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.

@@ -59,7 +59,8 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
   }
 }
 
-/// Warns of posteriors that pile up at a bound of the emulator's box and may extend beyond it.
+/// Warns of posteriors that pile up at a bound of the emulator's training domain and may extend
+/// beyond.
 void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
                      RunWatch& watch) {
   if (!problem.program()->emulator) return;
@@ -101,7 +102,7 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
 }
 
 /// An update run. Call estimate() again after the training of the basis, which measures the time of
-/// a likelihood.
+/// a likelihood evaluation.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)

@@ -60,7 +60,7 @@ def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Calla
 def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?", seed: Optional[int] = None,
            chains: Optional[int] = None, warmup: Optional[int] = None, draws: Optional[int] = None, threads: int = 1,
            progress: Watcher = True, **options: Any) -> Result:
-    """Samples competing models and their parameters, after a search for posterior modes and an evidence estimate of each model.
+    """Samples competing models and their parameters, after a search and an evidence estimate for each model.
 
     The search and the evidence estimate call the likelihoods with many rows. Sampling calls them with one row per
     step, because the next state of a chain depends on the current state. All calls hold the GIL, so more `threads` help

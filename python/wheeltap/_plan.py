@@ -21,7 +21,7 @@ class Plan(HasReport):
 
     @property
     def designs(self) -> List[Dict[str, Any]]:
-        """The designs, sorted by the probability of the right location: sensors, information, detection, right_place, mcse."""
+        """The designs by probability of the right location: sensors, information, detection, right_place, mcse."""
         return self.summary["plan"]["designs"]
 
     @property

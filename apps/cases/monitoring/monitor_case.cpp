@@ -84,7 +84,7 @@ Pointer place_of(const SeriesColumns& columns, const std::string& name) {
               error.reason() + " in " + error.path().filename().string());
 }
 
-/// A text without an incomplete last line: a line without newline is still being written.
+/// Removes an incomplete last line: a line without a newline is still being written.
 std::string complete_lines(std::string text) {
   text.resize(text.find_last_of('\n') + 1);  // npos + 1 is 0
   return text;
@@ -345,8 +345,8 @@ void read_alarm(MonitorCaseFile& out) {
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
-    // No transient: it decays in hours, but rows have no times; it could explain damage in the
-    // first rows.
+    // No transients: they decay in hours, but rows have no times. They could explain early
+    // damage.
     options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");

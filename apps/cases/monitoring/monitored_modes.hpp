@@ -37,8 +37,8 @@ struct ModesReading {
 /// For a .json file, the result is this file.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
-/// The files that `names` specify, in this order. In the last part of a name, "*" matches any text
-/// and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
+/// The files that `names` specify, in this order. In the last component of a name, "*" matches any
+/// text and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
 [[nodiscard]] std::vector<std::filesystem::path> listed_files(
     const CaseFile& file, const Pointer& where, const std::vector<std::string>& names);
 

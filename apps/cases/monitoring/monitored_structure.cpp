@@ -17,7 +17,7 @@ using identification::DefectKind;
 const Pointer kExplanation("/explanation");
 constexpr double kMassShare = 0.05;  // default of largest added mass / mass of structure
 
-/// The structure and the damage of the case as a damage case, under the same keys.
+/// Converts the structure and the damage of the case to a damage case with the same keys.
 CaseFile as_damage_case(const CaseFile& file) {
   CaseFile out = file;
   out.json = Json{{"kind", "damage"}};

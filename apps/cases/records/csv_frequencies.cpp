@@ -79,7 +79,7 @@ class FrequencyText {
     }
     return found;
   }
-  /// The number of a cell in Hz; NaN for an empty cell.
+  /// The value of a cell in Hz; NaN for an empty cell.
   [[nodiscard]] double frequency(int row, std::size_t column, const std::string& cell) const {
     if (cell.empty()) return kNaN;
     const double value = text_.number(cell).value_or(-1.0) * in_hz(column);
@@ -94,14 +94,14 @@ class FrequencyText {
     return frequency(row, column, cells(row, column + 1, false)[column]);
   }
 
-  /// Index of the column with the numbers of the modes; empty if there is none.
+  /// Index of the column with the mode numbers; empty if no column has them.
   [[nodiscard]] std::optional<std::size_t> mode_column() const {
     for (const char* const name : {"mode", "number"})
       for (std::size_t c = 0; c < headers().size(); ++c)
         if (in_lower_case(headers()[c].name) == name && headers()[c].unit.empty()) return c;
     return {};
   }
-  /// The number of the mode in a cell. Throws Failure for a cell that is not a whole number.
+  /// The mode number in a cell. Throws Failure for a cell that is not a whole number.
   [[nodiscard]] int mode(int row, std::size_t column) const {
     const std::string cell = cells(row, column + 1, false)[column];
     if (const auto found = whole_number(text_.number(cell).value_or(0.0), 1, kMostModes))

@@ -1,4 +1,4 @@
-// Layout of a record's file as given in the case, and sentences on the reading of the file.
+// Layout of a record's file as given in the case, and sentences on the interpretation of the file.
 #pragma once
 
 #include <string>
@@ -32,7 +32,8 @@ struct ChannelUse {
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);
 [[nodiscard]] Report layout_json(const io::FoundLayout& layout);
 
-/// A sentence on the reading of the time column; empty for times in seconds with a uniform step.
+/// A sentence on the interpretation of the time column; empty for times in seconds with a uniform
+/// step.
 [[nodiscard]] std::string sampling_in_words(const signals::Sampling& sampling);
 /// A sentence on the jitter of time stamps; empty without jitter.
 [[nodiscard]] std::string jitter_in_words(const signals::Sampling& sampling);

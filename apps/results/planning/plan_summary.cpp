@@ -313,8 +313,8 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   const PlanCase& plan = parsed.plan;
   const PlannedStructure structure(plan.damage_case, plan.structure);
   const ScoredDesign& best = findings.designs.front();
-  // The location with the largest smallest detectable damage; without any, that with the most
-  // detections.
+  // The location whose smallest detectable damage is largest; if no damage is detectable, the
+  // location with the most detections.
   const PlaceDetection* chosen = nullptr;
   for (const PlaceDetection& p : findings.places) {
     const auto rank = [](const PlaceDetection& x) {
