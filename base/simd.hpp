@@ -4,7 +4,7 @@
 // only plain pointers, because the linker might select a library template that is compiled for wide
 // registers, and use this template on all processors. `runnable` returns the tables that this
 // processor can run. All versions of a loop are compiled without fused multiply-add, so their
-// results are identical to the last bit. Tests run each version.
+// results are identical to the last bit. The tests run each version of a loop.
 #pragma once
 
 #include <cstdlib>

@@ -61,9 +61,9 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `runge_kutta` if the number of substeps is fixed. If it is not, selects `exact` or
-  /// `piecewise` if the chain allows it; else `series` if a force law switches, a link sticks and
-  /// slips, or prefer_series is set; else `runge_kutta`.
+  /// Selects `runge_kutta` if the number of substeps is fixed. If not, selects the first that
+  /// applies: `exact` or `piecewise`, if the chain allows it; `series`, if a force law switches, a
+  /// link sticks and slips, or prefer_series is set; `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.

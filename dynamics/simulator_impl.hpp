@@ -34,7 +34,7 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// limit, the limit of γ h is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Parameters of the time steps that are equal for all parameter vectors of a group.
+/// Time-step parameters, which are equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;

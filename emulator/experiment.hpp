@@ -25,7 +25,7 @@ struct ExperimentOptions {
   /// Text that, with the design, identifies the experiment in the journal, for example the case.
   std::string identity = {};
   /// Callback, called after each run with the number of finished runs and the number of all runs.
-  /// Calls do not overlap. Runs of other ranks are counted after every 5 % of the design.
+  /// Calls are serialised. Runs of other ranks are counted after every 5 % of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 

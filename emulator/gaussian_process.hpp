@@ -73,7 +73,7 @@ class GaussianProcess final : public Interpolant {
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 
-  /// Takes `parameters()` from an earlier fit to the same runs and does not fit. Throws the
+  /// Uses the `parameters()` of an earlier fit to the same runs, instead of a new fit. Throws the
   /// exceptions of the other constructor, and std::invalid_argument if `parameters` does not have 1
   /// or `responses` rows of d + 1 positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,

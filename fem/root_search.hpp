@@ -22,7 +22,7 @@ struct Found {
 };
 
 /// The intact modes, and the quantities of the defects from which bounds of the roots follow. The
-/// arrays belong to the caller.
+/// caller owns the arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j

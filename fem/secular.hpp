@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code. Otherwise the linker
-// could select a library function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: from such code, the
+// linker could select a function compiled for AVX-512 and use it on every processor.
 
 inline constexpr int kLanes = 8;      ///< number of values of λ that are evaluated together
 inline constexpr int kPairChunk = 5;  ///< number of entries of e eᵀ that are summed together

@@ -23,8 +23,8 @@ struct ChannelQuality {
 
   /// Dropouts: sequences of equal samples that are too long to occur by chance. A dropout has at
   /// least five samples. Fewer than 0.001 sequences of its length are expected by chance in a
-  /// record of this size. The expectation follows from the fraction p of neighbouring samples that
-  /// are equal.
+  /// record of this size. The expectation follows from the fraction p of pairs of neighbouring
+  /// samples that are equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
   /// sequences of at least three samples count.

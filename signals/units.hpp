@@ -55,7 +55,7 @@ struct Conversion {
 };
 
 /// Returns the conversion of numbers with this unit to SI. If `wanted` is set, only units of this
-/// dimension are converted. If not, all units are converted.
+/// dimension are converted. Without `wanted`, units of any dimension are converted.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
 /// Returns the unit of a column: the unit in brackets or in the line of units. Without such a unit,

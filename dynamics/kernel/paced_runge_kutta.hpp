@@ -85,7 +85,7 @@ class PacedRungeKutta {
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
-  static constexpr double kAtTurn = 1e-3;  // smallest distance of a turn from a step's ends [steps]
+  static constexpr double kAtTurn = 1e-3;  // least distance of a reversal from step ends [steps]
 
   struct State {
     V y[M], v[M], q[kMaxMemories];

@@ -49,7 +49,7 @@ struct Assembly {
   Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;                 ///< Tᵀ M T, n × n
   Sparse free_to_all;          ///< T, 2 (elements + 1) × n
-  std::vector<int> free_dofs;  ///< degree of freedom in the mesh of each entry of q
+  std::vector<int> free_dofs;  ///< index, in the mesh, of each entry of q
 };
 
 /// Assembles the eigenvalue problem. Throws std::invalid_argument for an invalid beam, and for a

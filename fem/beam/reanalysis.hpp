@@ -84,11 +84,11 @@ class Reanalysis {
   /// where k is the stiffness of the stiffest added spring, k_beam the stiffness of the beam at
   /// this spring, and λ_1 the lowest elastic eigenvalue of the intact beam. The most damaged
   /// element keeps the fraction q = Π (1 - r) of its stiffness. The last term is relevant only in
-  /// two cases. In the first, added supports restrain a free beam, and compliances of hinges and
-  /// soft springs nearly cancel those of the supports. In the second, the finite-element model has
-  /// only slightly more modes than the damaged elements have strain-displacement vectors. The form
-  /// of this error bound follows from rounding analysis. The factors of the error bound are chosen
-  /// such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// two cases. In the first case, added supports restrain a free beam, and compliances of hinges
+  /// and soft springs nearly cancel those of the supports. In the second case, the finite-element
+  /// model has only slightly more modes than the damaged elements have strain-displacement vectors.
+  /// The form of this error bound follows from rounding analysis. The factors of the error bound
+  /// are chosen such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -113,7 +113,7 @@ class Reanalysis {
   ///
   /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
   /// equation 5), with γ = -k for a spring. The gradients take negligible additional run time. For
-  /// a multiple eigenvalue, the gradients are those of one basis of its modes. Throws
+  /// a multiple eigenvalue, the gradients are those of one basis of its eigenspace. Throws
   /// std::invalid_argument in the same cases as `frequencies_hz`, and if a span has the wrong size.
   /// Throws std::runtime_error if a mode shape cannot be separated from the others.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
@@ -124,10 +124,10 @@ class Reanalysis {
   /// locations. A damage covers a whole element. Frequencies are therefore piecewise constant in
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
   /// locations are the midpoints of the two neighbouring elements. For an element at an end of the
-  /// beam, they are the midpoints of this element and its neighbour. The slope is 0 for a beam of
-  /// one element. A support acts at a point. For a support, the two locations are 10⁻³ element
-  /// lengths before and behind the support, but not outside the beam. Throws the exceptions of
-  /// `solve`.
+  /// beam, the locations are the midpoints of this element and its neighbour. The slope is 0 for a
+  /// beam of one element. A support acts at a point. For a support, the two locations are 10⁻³
+  /// element lengths before and behind the support, but not outside the beam. Throws the exceptions
+  /// of `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

@@ -16,8 +16,8 @@ namespace wheeltap::fem {
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Returns the flexural properties of an element of this length: for a deflection along z with
-/// bending about y if `along_z` is true, otherwise for a deflection along y with bending about z.
+/// Returns the flexural properties of an element of this length, for a deflection along z (bending
+/// about y) if `along_z` is true, or along y (bending about z) if it is false.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 

@@ -14,7 +14,7 @@
 
 namespace wheeltap::io {
 
-/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp chooses which). Messages use
+/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp decides which). Messages use
 /// `name` for the file. All functions throw io::FileError (unwritable).
 class NetcdfWriter {
  public:

@@ -1,4 +1,4 @@
-// A reader of the lines of a universal file, for the functions that read its datasets.
+// A reader of the lines of a universal file, for the functions that read the datasets.
 #pragma once
 
 #include <algorithm>

@@ -32,9 +32,9 @@ enum class ModeDoubt {
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
                     ///< machine
-  /// Another mode has the same shape, and the frequencies differ by less than their standard
-  /// deviations. Or another mode with the same shape is within the half-power bandwidths and has a
-  /// smaller uncertainty.
+  /// Either another mode has the same shape and a frequency within the standard deviations, or
+  /// another mode with the same shape is within the half-power bandwidths and has a smaller
+  /// uncertainty.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
@@ -65,7 +65,7 @@ enum class ModalMethod {
                   ///< (identification/modal/bayesian_modes.hpp)
 };
 
-/// Warnings about the identification from the whole record.
+/// Warnings about the identification as a whole.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
   int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
@@ -133,7 +133,7 @@ struct ModalResult {
 void doubt_modes(ModalResult& result);
 
 /// Computes the kurtosis E|z|⁴ / (E|z|²)² of the complex amplitude z of a signal near a frequency.
-/// The mean E is over time windows of `cycles` cycles. The kurtosis is 1 for a steady sine and 2
+/// E is the mean over time windows of `cycles` cycles. The kurtosis is 1 for a steady sine and 2
 /// for normal noise.
 [[nodiscard]] double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x,
                                         double frequency_hz, double sample_rate_hz,

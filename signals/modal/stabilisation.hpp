@@ -88,12 +88,12 @@ struct Stabilisation {
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
 /// therefore a candidate only if its model order contains all steady modes (in at least half of
-/// their orders), also outside the band, and all modes with resonance peaks that overlap its peak.
-/// If no pole of these model orders is as certain as the best pole of the cluster, the best poles
-/// of these model orders are the candidates. If these model orders have fewer than three poles, or
-/// if their best pole has more than twice the smallest uncertainty, poles of every model order can
-/// be candidates. Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the
-/// pole with the median frequency of all poles represents the cluster.
+/// their orders), also outside the band, and all modes whose resonance peaks overlap that of its
+/// mode. If no pole of these model orders is as certain as the best pole of the cluster, the best
+/// poles of these model orders are the candidates. If these model orders have fewer than three
+/// poles, or if their best pole has more than twice the smallest uncertainty, poles of every model
+/// order can be candidates. Poles without standard deviations (NaN) require largest_relative_sd =
+/// ∞; then the pole with the median frequency of all poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 

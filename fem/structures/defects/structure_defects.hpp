@@ -17,9 +17,9 @@ struct StructureDefects {
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// A stiffness reduction of a segment from `from` to `to` within the ends of the member. The
-  /// segment keeps the fraction 1 - r of its stiffness in every strain. Where two reductions
-  /// overlap, the fraction (1 - r₁)(1 - r₂) remains.
+  /// A stiffness reduction of the segment of a member from `from` to `to`. The segment keeps the
+  /// fraction 1 - r of its stiffness in every strain. Where two reductions overlap, the fraction (1
+  /// - r₁)(1 - r₂) remains.
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -63,7 +63,7 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// Computes the changes of the matrices that the defects cause. Reductions, cracks and loose ends
+/// Computes the changes of the matrices that the defects cause. Reductions, cracks and loose joints
 /// add flexibility to an element: for the stresses t, the strains are (I + ΔF) t. The bending
 /// moment M(ξ) = v(ξ) · t follows from the constant moment and the constant shear force of the
 /// element,

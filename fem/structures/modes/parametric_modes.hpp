@@ -57,8 +57,8 @@ struct ParametricModesOptions {
 ///
 /// The error bounds prove that an exact eigenvalue lies near each result. They do not prove that no
 /// mode is missing. Sturm counts check for missing modes at every training point during the
-/// training. Later solutions in a basis are not checked for missing modes. Each solution from
-/// sparse matrices is checked in this way. Degrees of freedom without mass need no special
+/// training. Later solutions in a basis are not checked for missing modes. Every solution from
+/// sparse matrices is checked by a Sturm count. Degrees of freedom without mass need no special
 /// treatment, because V includes their static response.
 ///
 /// The object is immutable after construction; each thread needs a separate workspace.
@@ -100,9 +100,9 @@ class ParametricModes {
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
   /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative spacing of
-  /// eigenvalues is below 1e-6, the derivatives of these shapes exclude the rotation within their
-  /// subspace, which is indeterminate. If the full problem was solved, the derivatives are those of
-  /// the basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
+  /// eigenvalues is below 1e-6, the derivatives of these shapes exclude the indeterminate rotation
+  /// within their subspace. If the full problem was solved, the derivatives are computed in the
+  /// basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
   /// solution by the basis or by sparse matrices failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;

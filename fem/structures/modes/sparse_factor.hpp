@@ -36,7 +36,7 @@ class SparseFactor {
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
   /// The diagonal, and the entries below the diagonal, column by column in the pattern of L. Before
-  /// `factorise`, they are entries of A; afterwards, entries of D and L.
+  /// `factorise`, `Values` holds entries of A; afterwards, entries of D and L.
   struct Values {
     std::vector<double> diagonal, lower;
   };

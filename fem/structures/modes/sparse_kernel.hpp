@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code. Otherwise the linker
-// could select a library function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: from such code, the
+// linker could select a function compiled for AVX-512 and use it on every processor.
 
 /// Largest number of columns that one step of a factorisation processes together.
 inline constexpr std::size_t kMostColumns = 4;

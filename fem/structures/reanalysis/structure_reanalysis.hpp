@@ -11,7 +11,7 @@ namespace wheeltap::fem {
 
 /// The method is that of `Reanalysis` for beams. If the columns of C span the changes, the
 /// eigenvalues are the roots of a small secular problem. The kernels of the beam reanalysis
-/// evaluate the secular function, and its inertia counts the eigenvalues.
+/// evaluate the secular function, whose inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, and a spring is a column r with Γ = -k. An added
 /// mass has Γ⁻¹ = 1/(λ μ). It is represented by a mass μ that floats freely beside the structure (a
@@ -24,11 +24,11 @@ namespace wheeltap::fem {
 /// (tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// For larger structures, the lowest p modes are kept. Two further modes per column
-/// (`ResidualModes`) represent the residual flexibility for the columns up to λ³. The computed
-/// frequencies are those of a constrained structure, so they are not below the true frequencies.
-/// The error bound follows from an eigenvalue count with S minus the largest possible contribution
-/// of the omitted modes. If the bound exceeds 1e-6, the full eigenvalue problem of the changed
-/// structure is solved. Mode shapes remain those of the constrained structure.
+/// (`ResidualModes`) represent the residual flexibility for the columns up to the term in λ³. The
+/// computed frequencies are those of a constrained structure, so they are not below the true
+/// frequencies. The error bound follows from an eigenvalue count with S minus the largest possible
+/// contribution of the omitted modes. If the bound exceeds 1e-6, the full eigenvalue problem of the
+/// changed structure is solved. Mode shapes remain those of the constrained structure.
 ///
 /// Any number of threads may share the object; each thread needs a separate workspace.
 class StructureReanalysis {
