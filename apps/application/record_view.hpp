@@ -28,7 +28,7 @@ struct RecordSource {
 /// change.
 class OpenRecords {
  public:
-  /// Reads the file unless it is still in memory. The channels are not checked. Throws
+  /// Reads the file if it is not in memory. The channels are not checked. Throws
   /// io::FileError, Failure.
   [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const RecordSource& source);
   /// Opens the file and checks its channels, which can take longer than reading it. Returns

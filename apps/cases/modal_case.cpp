@@ -90,9 +90,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
-        ", but other channels have units. The numbers of this channel are used unchanged: mode "
-        "shapes are "
-        "wrong unless the numbers are in SI units. State \"unit\" in the channel.");
+        ", but other channels have units. The numbers of this channel are used unchanged: if they "
+        "are not in SI units, the mode shapes are wrong. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
     const std::string& column = out.channels[i].column;

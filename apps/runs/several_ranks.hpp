@@ -16,7 +16,7 @@ class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
 /// Otherwise, the class has no effect. Ranks other than the first print nothing on standard output
-/// and error, and use one thread each unless --threads is given.
+/// and error, and use one thread each by default.
 class JoinedRanks {
  public:
   /// Throws Failure (64) if there are other ranks and the module is missing.
