@@ -221,8 +221,8 @@ std::string emulator_warning(int damages, const std::vector<int>& blind) {
 std::string in_words(inference::Choice choice) {
   switch (choice) {
     case inference::Choice::restarted_tempered:
-      return "The chains disagreed, so Wheeltap restarted them with parallel tempering in all "
-             "stages.";
+      return "The chains disagreed, so Wheeltap restarted them with parallel tempering in warm-up "
+             "and sampling.";
     case inference::Choice::started_on_first_samples:
       return "The record is long, so the chains started near posterior modes found in its first "
              "samples, and Wheeltap tracked these modes as more samples were added.";

@@ -480,7 +480,7 @@ test('the columns of the table of a monitor case: ranges, missing values, plots 
   await page.click('text=Columns of the table');
   await ready(page);
   assert.deepEqual(await rolesNow(page), { hour: 'time', 'f1 [Hz]': 'feature', 'f2 [Hz]': 'feature', 'f3 [Hz]': 'feature', 'air [degC]': 'covariate' });
-  // The share of missing values and the range are those of the file; each column has a plot, the selected one a large one.
+  // The fraction of missing values and the range are those of the file; each column has a plot, the selected one a large one.
   const lines = fs.readFileSync(at('bridge/monitor.csv'), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
   const cells = page.locator('.channels tbody tr').nth(1).locator('td');
   await page.locator('.channels td.missing', { hasText: '%' }).first().waitFor();
