@@ -97,8 +97,8 @@ struct Options {
 
     // Saving many draws repeatedly takes time and memory. The following callbacks save parts of a
     // chain's draws (`part` draws each) once and separately; the checkpoints passed to `save` omit
-    // these draws. Keep a part until a checkpoint with a later first part has been saved
-    // (inference::parts_of).
+    // these draws. Keep a saved part until `save` has received a checkpoint that begins with a
+    // later part (inference::parts_of).
     /// Saves the part of the draws with index `number`. Returns false if saving failed and the
     /// engine should try again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;

@@ -35,7 +35,7 @@ struct EmulatorSpec {
       /// also applies to all larger counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of space-filling designs
-  std::vector<std::filesystem::path> csv;  ///< user's training runs: file i has i + 1 damages
+  std::vector<std::filesystem::path> csv;  ///< user's training runs; file i: with i + 1 damages
   bool symmetrise = false;     ///< average predictions over damages and their mirror images
   bool emulator_error = true;  ///< add the measured emulator error to the noise
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution

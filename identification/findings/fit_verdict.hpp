@@ -59,7 +59,7 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 /// Significance level of posterior predictive and portmanteau tests. Smaller p reject a model.
 inline constexpr double kMisfit = 1e-3;
 /// Largest RMS of a small residual, divided by the RMS of the response. The text of the report
-/// mentions a small residual that is not noise; its heading does not.
+/// mentions a small residual that is not noise; the heading does not.
 inline constexpr double kSmallResidual = 0.05;
 /// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
@@ -73,7 +73,7 @@ struct FitVerdict {
   /// Posterior predictive p-value: P(χ² of replicated data > χ² of the data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  /// The most probable model, if the less probable `model` explains the data and it does not
+  /// The most probable model, if only the less probable `model` explains the data
   int instead_of = -1;
   std::vector<misfit::Reason> why_not = {};  ///< reasons why `instead_of` does not explain the data
 

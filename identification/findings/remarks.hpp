@@ -112,7 +112,7 @@ struct NoiseHidesDamage {
 };
 
 /// A damage and its mirror image have equal exact probabilities. Only the error of an emulator can
-/// make the computed ones differ.
+/// make the computed probabilities differ.
 struct MirrorImages {
   bool emulated;
 };
@@ -264,7 +264,7 @@ struct StepsTooLong {
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
 /// The posterior means of the parameters fit the record worse than the best draw does. Each channel
-/// has the NRMSE of both.
+/// has both NRMSE values.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// The stated noise of a channel is wrong. The RMS of the residuals is `factor` times its sd.
+/// The stated noise sd of a channel is wrong: the RMS of the residuals is `factor` times this sd.
 struct NoiseMisstated {
   struct Channel {
     std::string name;

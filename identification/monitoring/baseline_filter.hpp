@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// Upper limit of the slow drift's time constant [h], which is the length of the training period.
+/// The slow drift's time constant is the length of the training period, but at most this [h].
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.

@@ -32,7 +32,7 @@ struct LearningOptions {
   /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
   /// 1000 divided by the number of coefficients, limited to the range from this number to 24.
   int draws = 0;
-  int most_hinges = 3;  ///< largest number of hinges; all numbers up to it have equal priors
+  int most_hinges = 3;  ///< largest number of hinges; all numbers have equal priors
   bool hinges = true, lag = true;
   std::vector<bool> may_hinge = {};  ///< true for covariates that may have hinges; empty: all
   std::uint64_t seed = 1;

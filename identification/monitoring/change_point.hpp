@@ -8,8 +8,8 @@
 // A transient is a temporary effect of thaw, wind, traffic or wrong modal identification. A
 // transient does not count as a change. The model without a change is a mixture: the baseline, and
 // transients that began at any row. A change must explain the data better than this mixture. The
-// probability of a decayed transient is transferred to the baseline. At each row, so is the
-// probability that a transient has ended.
+// probability of a decayed transient is transferred to the baseline, and at each row also the
+// probability that transients have ended early.
 //
 // A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
@@ -128,7 +128,7 @@ class ChangePoint {
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
   /// Adds the present shift to the intercepts, and removes all candidates. The state gets the mean
-  /// and covariance of the mixture of no change and all candidates with all their hypotheses.
+  /// and covariance of a mixture: no change, and all candidates with all their hypotheses.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates

@@ -16,7 +16,7 @@
 // spurious modes.
 //
 // The marginal probabilities of all pairs (tracked mode, identified mode) are exact sums over
-// assignments. A recursion over tracked modes and over sets of identified modes computes them
+// assignments. A recursion over tracked modes and over sets of identified modes computes these sums
 // (joint probabilistic data association; Fortmann, Bar-Shalom & Scheffe 1983).
 #pragma once
 

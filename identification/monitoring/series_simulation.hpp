@@ -59,7 +59,7 @@ struct SeriesTruth {
 };
 
 /// Simulates a series; its names are empty. Weather, drift, noise and the choice of missing entries
-/// use separate random streams, so that each is independent of the settings of the others.
+/// use separate random streams, so that a changed setting of one does not change the others.
 [[nodiscard]] Series simulate_series(const SeriesTruth& truth, std::uint64_t seed);
 
 }  // namespace wheeltap::identification::monitoring

@@ -10,8 +10,8 @@
 namespace wheeltap::identification::monitoring {
 
 /// y_j = b_j0 + Σ_c b_jc z_c + Σ_h b_jh max(0, z_h - κ_h), by least squares with robust weights.
-/// Each covariate has a hinge at its median. If its values in the training period have both signs,
-/// it also has a hinge at zero, because slopes of features often change at 0 °C.
+/// Each covariate has a hinge at its median. A covariate whose training values have both signs also
+/// has a hinge at zero, because slopes of features often change at 0 °C.
 class HingeRegression {
  public:
   explicit HingeRegression(const Series& learning);

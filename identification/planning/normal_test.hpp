@@ -13,7 +13,7 @@ namespace wheeltap::identification::planning {
 /// causes.
 struct NormalPlace {
   int kind = 0;
-  double prior = 1.0;  ///< P(place | one defect of the kind)
+  double prior = 1.0;  ///< P(location | one defect of the kind)
   /// Data values × (S + 1): change of the mean data by the defect, in standard deviations, at the
   /// quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
@@ -68,7 +68,7 @@ class NormalTest {
   /// The evidences for one data vector, divided by the evidence of the intact structure.
   struct Answer {
     std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
-    std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
+    std::vector<double> log_places;        ///< ln p(y | one defect at the location) / p(y | intact)
     std::vector<std::vector<Pair>> pairs;  ///< pairs of each model; empty for models of fewer than
                                            ///< two defects
     double log_all = 0.0;                  ///< ln p(y) / p(y | intact)
@@ -142,7 +142,7 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
+  Eigen::MatrixXd nodes_;                               // nodes of all locations, data × nodes
   std::vector<double> tiles_;                           // `nodes_` in tiles, for products_with_tile
   Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
   std::vector<Eigen::Index> first_;                     // first node of each location, and the end
@@ -158,7 +158,7 @@ class NormalTest {
   Eigen::MatrixXi column_of_;                   // per pair of locations; -1: no interaction
   std::vector<double> interaction_square_;      // per column: |I|²
   std::vector<std::size_t> interaction_first_;  // per column: its start in interaction_nodes_
-  std::vector<double> interaction_nodes_;       // I · nodes of place a, then I · nodes of place b
+  std::vector<double> interaction_nodes_;       // I · nodes of location a, then of location b
 };
 
 }  // namespace wheeltap::identification::planning

@@ -55,14 +55,14 @@ struct PlanFindings {
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< close modes (from 0): only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of at least one defect
-  /// Designs that the search found, sorted by the probability of the right count and location. A
-  /// classical layout that is better than all of them precedes them.
+  /// Designs that the search found, sorted by P(right count and location), best first. A classical
+  /// layout that is better than all these designs precedes them.
   std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;  ///< designs by other criteria, and the user's layouts
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
-  std::vector<ScoredDesign> by_sensors;                    ///< first sensors of the greedy search
+  std::vector<ScoredDesign> by_sensors;                    ///< greedy designs by number of sensors
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
   /// Probabilities of detection at each location, for the best design
   std::vector<PlaceDetection> places;
@@ -116,8 +116,8 @@ class PlanModel {
 /// Chooses sensors for the case, from fewer locations and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
-/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, without
-/// the intact structure, or with the intact structure only.
+/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, or whose
+/// models lack, or contain only, the intact structure.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

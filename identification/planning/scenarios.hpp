@@ -20,8 +20,8 @@ struct Scenario {
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. The seed and the index of a draw determine its
-/// values. Draw n has the model with index n modulo the number of models.
+/// Draws true damages from the priors, and the noise of the tests. The seed and the index of a draw
+/// determine its values. Draw n has the model with index n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);

@@ -54,7 +54,7 @@ struct SensorChoice {
 /// 120 if there are more) and adds one sensor at a time. Three designs are then improved: the
 /// greedy design, and the layouts by effective independence and by kinetic energy. The search
 /// removes the least useful sensor and adds the best other sensor, until the design no longer
-/// improves. Finally, single sensors of the best of the three are exchanged, until no exchange
+/// improves. Finally, single sensors of the best of these designs are exchanged, until no exchange
 /// improves it. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,

@@ -23,12 +23,12 @@ struct TestDesign {
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1. It
-/// is given for T = `reference_seconds`, and is proportional to 1/√T.
+/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1.
+/// This sd is given for T = `reference_seconds`, and is proportional to 1/√T.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
-  double cov = 0.0;  ///< if > 0, it replaces the formula
+  double cov = 0.0;  ///< if > 0, `cov` replaces the formula
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
@@ -79,8 +79,8 @@ class TestData {
   /// noise.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
-  /// True if the data contain the shape of the mode: the mode is not close to another mode, and it
-  /// is nonzero at one sensor or more.
+  /// True if the data contain the shape of the mode: the mode is not close to another mode, and its
+  /// shape is nonzero at one sensor or more.
   [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 

@@ -31,8 +31,8 @@ struct TestTruth {
 struct TestOutcome {
   int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
-  /// ln q(count, place | y) / p(count, place) for the true defects, with q = (1 - ε) p(… | y) + ε
-  /// p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
+  /// ln q(count, location | y) / p(count, location) for the true defects, with q = (1 - ε) p(… | y)
+  /// + ε p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
   /// information (Barber & Agakov 2003, NIPS 16). With exact evidences, this bound is too low by at
   /// most -ln(1 - ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;

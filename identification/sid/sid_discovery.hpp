@@ -25,8 +25,8 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_name(const dynamics::Law& law, const dynamics::Link& link,
                                     bool several);
 /// Name of the parameter of a coefficient. If the force law has one coefficient, the parameter has
-/// the name of the term. If it has several, the name also contains the name of the coefficient:
-/// "contact gap", "contact gap closing", "contact gap 0-1".
+/// the name of the term. If the law has several, the name also contains the name of the
+/// coefficient: "contact gap", "contact gap closing", "contact gap 0-1".
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 

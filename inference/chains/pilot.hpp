@@ -77,7 +77,7 @@ struct PilotOptions {
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< largest number of samples in the fit of a mixture
   int most_components = 20;          ///< largest number of components of a mixture
-  double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, as mean log density per sample
+  double tolerance = 1e-7;  ///< tolerance of a mixture's last EM fit: mean log density per sample
   /// Additional samples of each model's posterior, for example from regions that the chains may not
   /// have visited. The list may be empty.
   std::vector<Eigen::MatrixXd> besides{};

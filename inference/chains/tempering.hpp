@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over swaps with acceptance rate α, per pair
   std::vector<long> tried{};        ///< number of attempted swaps of each pair of neighbours
-  /// Per replica: +1 if the replica was last at the end β = 0 of the ladder, -1 if at the end β = 1
+  /// Per replica: +1 if its last visited end of the ladder is β = 0, -1 if this end is β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -121,8 +121,8 @@ class TemperedChain {
 /// their prior: 100 000 draws, or 5000 if the record can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
 /// the first model, if the likelihood of all models is zero at every draw. The optional function
-/// `goes_on` is called before every draw with the number of completed draws divided by the largest
-/// possible number. If `goes_on` returns false, the remaining models are not checked.
+/// `goes_on` is called before every draw with the number of completed draws divided by the maximum
+/// number of draws. If `goes_on` returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
-  double ess_within = 20.0;  ///< least value that the limit `ess` has for a parameter
+  double ess_within = 20.0;  ///< required effective sample size of parameters, even if P is small
   /// Lower limit of the tail effective sample size of parameters, relative to the limit of their
   /// bulk effective sample size.
   double ess_tail_share = 0.5;
@@ -40,8 +40,8 @@ struct ConvergenceLimits {
   double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
   /// density to mixture density is above `beyond_mixture`. The rule for draws outside the mixture
-  /// applies if the fraction of such draws exceeds `beyond_share`. `beyond_visits` is the required
-  /// number of effective visits outside the mixture; its relative error is then 0.1.
+  /// applies if the fraction of such draws exceeds `beyond_share`. `beyond_visits` is the number of
+  /// effective visits required outside; the fraction then has a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
   /// `annealed_share` limits an excess: the fraction of SMC draws outside the mixture, minus the
   /// fraction of chain draws outside it, times the model probability. `annealed_draws_an_effective`

@@ -32,7 +32,7 @@ struct ModelUnknown {
 /// should have visited.
 struct ModeNotInEveryChain {
   int model = 0;
-  double share = 0.0;  ///< share of the model's probability mass near this mode
+  double share = 0.0;  ///< fraction of the model's probability mass near this mode
   int visited = 0, chains = 0;
 };
 /// The chains disagree on the fraction of a model's draws that lie near a posterior mode.
@@ -46,7 +46,7 @@ struct AnnealingFindsMore {
   int model = 0;
   Estimate annealed{}, drawn{};  ///< ln Z by SMC, and by the draws
 };
-/// The fraction of draws in a model differs from its probability computed from the evidence.
+/// The fraction of draws in a model differs from the model probability given by the evidence.
 struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
@@ -55,7 +55,7 @@ struct EvidenceDisagrees {
 /// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
-  double share = 0.0;                ///< fraction of its draws outside its mixture
+  double share = 0.0;                ///< fraction of the model's draws outside its mixture
   double visits = 0.0, limit = 0.0;  ///< effective visits outside the mixture; must exceed `limit`
 };
 /// The fraction of SMC draws outside a model's mixture is larger than the fraction of chain draws
@@ -77,7 +77,7 @@ struct EvidenceUnreliable {
 struct ModesLeftOut {
   int model = 0;
   long modes = 0;      ///< number of modes that were left out
-  double share = 0.0;  ///< their fraction of the model's probability mass (Laplace)
+  double share = 0.0;  ///< fraction of the probability mass at these modes (Laplace)
 };
 /// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {

@@ -72,7 +72,7 @@ struct Verdict {
 ///   the variability expected for the number of effective draws (1e-6).
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
-///   are outside, their share must be known to a relative error of 0.1. This error requires 100
+///   are outside, this fraction must have a relative error of at most 0.1. This error requires 100
 ///   effective visits. Only local moves reach draws outside the mixture. In the neck of a funnel,
 ///   all chains may agree although they have visited only half of the neck.
 /// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts

@@ -50,7 +50,7 @@ class CheckpointError : public std::runtime_error {
 
 /// Restores the run, bit for bit. The columns omit whatever can be recomputed: the model space, the
 /// conditional proposals and the results of the last evidence computation. Throws CheckpointError
-/// if a column is missing, too short, too long or unknown, or if the columns belong to another
+/// if a column is missing, too short, too long or unknown, or if the columns belong to a different
 /// number of chains, models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 

@@ -17,7 +17,7 @@ inline constexpr double kWorthFollowing = 0.01;
 /// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If a
 /// larger fraction of SMC draws than of chain draws of a model lies outside the mixture, this
 /// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
-/// steps, SMC sampled the draw in error. If the chain stays outside, the region is a part of the
+/// steps, the draw was an artefact of SMC. If the chain stays outside, the region is a part of the
 /// posterior. The function sets ModelFindings::annealed_beyond of models with a probability of at
 /// least 1 %; call this function after weigh(). Returns the states of the new chains outside their
 /// model's mixture, dimension × n, one matrix per model.

@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 struct RunCost {
   double bytes = 0.0;  ///< peak memory
   double disk = 0.0;   ///< largest size of the results folder [bytes]
-  /// Number of likelihood evaluations, or of FE solutions for a table of them
+  /// Number of likelihood evaluations, or of FE solutions in a table
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;

@@ -18,7 +18,7 @@ enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  /// Number of independent runs, at least 4; their standard deviation gives the standard error
+  /// Number of independent replicates, at least 4; their scatter gives the standard error
   int replicates = 8;
   int samples = 500;        ///< number of samples per replicate
   double weight_cov = 0.5;  ///< coefficient of variation of the weights, which determines each
@@ -35,7 +35,7 @@ struct TmcmcOptions {
   long most_evaluations = 0;
   int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
                     ///< on this number.
-  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns

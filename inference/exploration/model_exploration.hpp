@@ -36,7 +36,7 @@ struct ExplorationOptions {
   int threads = 0;
   /// Draws by another method, e.g. tempering over all models; draws × dimension.
   Eigen::MatrixXd draws{};
-  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the exploration ends.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns

@@ -1,5 +1,5 @@
-// Starting points of local optimisations in a model, computed from the posterior modes of models
-// nested in the model.
+// Starting points of local optimisations in a model, computed from the posterior modes of smaller
+// models nested in it.
 #pragma once
 
 #include <vector>

@@ -43,8 +43,8 @@ class ModelLattice {
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// A starting point for model m: the best posterior mode of the most probable explored model that
-/// m is one step within, without the parameters that m lacks. Empty if no such model was
+/// A starting point for model m: the best posterior mode of the most probable explored
+/// model in around(m), without the parameters that m lacks. Empty if no such model was
 /// explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,

@@ -1,4 +1,4 @@
-// A prior whose density is given by a table of points.
+// A prior whose density is given by a table of values.
 #pragma once
 
 #include <vector>

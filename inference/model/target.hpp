@@ -124,8 +124,8 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
 /// The map x → 2·center - x, applied to one parameter of each component of a kind. The likelihood
-/// is (nearly) invariant under it. An example is the mirror image of a location in a symmetric
-/// structure.
+/// is (nearly) invariant under this map. An example is the mirror image of a location in a
+/// symmetric structure.
 struct Reflection {
   int kind = 0;       ///< index into ModelSpace::kinds()
   int parameter = 0;  ///< index into ComponentKind::parameters
@@ -163,9 +163,9 @@ struct Problem {
   /// record can have too many modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
-  /// True if an evaluation takes about a hundred times as long as a step of the sampler, for
-  /// example for the modes of a structure of many degrees of freedom. The engine then begins with
-  /// fewer tuning steps and draws.
+  /// True if an evaluation takes about a hundred times as long as an MCMC step, for example for the
+  /// modes of a structure of many degrees of freedom. The engine then begins with fewer tuning
+  /// steps and draws.
   bool costly = false;
 };
 

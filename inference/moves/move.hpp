@@ -102,9 +102,9 @@ class Move {
 ///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
-/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). In the first stage, the
-/// proposal passes with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and
-/// the proposal is accepted with probability
+/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The first stage accepts
+/// the proposal with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and the
+/// proposal is accepted with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///

@@ -17,7 +17,7 @@ namespace wheeltap::inference {
 /// with the Hessian -H, the proposal leaves π invariant for every ρ. For any other ln π, the ratio
 /// of the two proposal densities corrects for the change of g and H between z and z' (manifold
 /// Metropolis adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society
-/// B 73:123, section 5, with an information matrix without its derivatives). The move is suitable
+/// B 73:123, section 5, with the information matrix, but not its derivatives). The move is suitable
 /// for posteriors close to a curved surface, for example if the data determine only some directions
 /// of many parameters. Each proposal costs a call of Target::gauss_newton.
 ///

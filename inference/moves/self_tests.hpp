@@ -51,7 +51,7 @@ struct MoveCheck {
 
 /// Checks that a move satisfies detailed balance. With states x from the prior, weights w(x) =
 /// exp(ln prior factor + β ln likelihood), y proposed from x, and α(x, y) the probability of
-/// accepting it (MetropolisHastings),
+/// accepting y (MetropolisHastings),
 ///
 ///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///

@@ -37,7 +37,7 @@ class Surface {
   /// Number of likelihood evaluations saved by exact derivatives, compared with central
   /// differences.
   [[nodiscard]] long saved() const { return saved_; }
-  /// Copies the state that exists between two calls to the Surface of another rank.
+  /// Packs or unpacks the state between two calls, for the Surface on another rank.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);

@@ -24,11 +24,11 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< optimisations; 0: as many as `budget` allows, kFewestClimbs to kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// optimisations in progress are finished. Replacements of components may use a further 10 % of
-  /// the budget, or as many evaluations as the optimisations before.
+  /// optimisations in progress are finished. Optimisations after replacements of components may use
+  /// a further 10 % of the budget, or as many evaluations as before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record. The factor multiplies the numbers of
-  /// optimisations from prior draws, followed modes, and draws per mode.
+  /// Factor in (0, 1] that reduces the work for a growing record. The factor multiplies the numbers
+  /// of optimisations from prior draws, followed modes, and draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};

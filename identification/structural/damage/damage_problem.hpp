@@ -37,7 +37,7 @@ struct DamageProblem : StructuralProblem {
   using Component = PlacedDefect;
   /// True if the emulator only screens proposals, so that the posterior uses the FE solution.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
-  /// The forward model by which the likelihood predicts.
+  /// The forward model whose predictions the likelihood uses.
   [[nodiscard]] const ForwardModel& predicting() const {
     return emulated && !exact() ? *emulated : *model;
   }
@@ -70,12 +70,12 @@ struct DamageProblemOptions {
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
 /// where σ²_emulator is nonzero only if an emulator predicts and the case adds its error. If the
-/// emulator only screens proposals ("exact"), this is the problem's likelihood `screen`, and the
-/// problem's `likelihood` uses the FE solution.
+/// emulator only screens proposals ("exact"), this formula is the problem's likelihood `screen`,
+/// and the problem's `likelihood` uses the FE solution.
 ///
-/// The FE likelihood has a gradient. As a function of a location, it is piecewise constant with
-/// zero derivative; the slopes of BeamModel replace this derivative by an ascent direction.
-/// Emulators and external models have no gradient. External models are not assumed to be
+/// The FE likelihood has a gradient. As a function of a location, the likelihood is piecewise
+/// constant with zero derivative; the slopes of BeamModel replace this derivative by an ascent
+/// direction. Emulators and external models have no gradient. External models are not assumed to be
 /// mirror-symmetric. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);

@@ -55,8 +55,8 @@ struct RunOptions {
                                              const DefectKind& kind, int count);
 
 /// The table of training runs: new runs, previous runs (`options.runs`) or the user's (`spec.csv`).
-/// If `spec.accuracy` is set, it determines the number of runs. Adds the number of new runs to
-/// `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the number of new
+/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification {
 
-/// An emulator for each number of damages 1 … max. Its factors are location[1], reduction[1],
+/// An emulator for each number of damages 1 … max. The factors are location[1], reduction[1],
 /// location[2] … Damages of the FE model cover whole elements, so locations are rounded to the
 /// midpoint of their element. Damages are sorted by location; damage i uses the i-th list of sites.
 class FrequencyEmulator {

@@ -105,8 +105,8 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Working memory of one thread. It caches the last assembled structure and its solution, because
-  /// proposals that change only damages do not change the intact structure.
+  /// Working memory of one thread. The workspace caches the last assembled structure and its
+  /// solution, because proposals that change only damages do not change the intact structure.
   struct Workspace {
     /// The intact structure, which all groups with the same `known` share.
     struct Intact {

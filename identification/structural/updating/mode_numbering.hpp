@@ -1,10 +1,10 @@
 // Check of the mode numbers of measured frequencies if no shapes were measured.
 //
 // Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2 <
-// … assigns other modes instead. Its prior weight is a product: a factor 0.05 for each mode that is
-// missed in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
-// priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
-// that
+// … assigns other modes instead. The prior weight of a numbering is a product: a factor 0.05 for
+// each mode that is missed in addition to the known gaps, and 0.1 for each known gap that is not a
+// mode. Under the priors, ln f of the computed modes is approximately normal, N(m, S), estimated
+// from draws, so that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
@@ -44,8 +44,8 @@ struct NumberingFinding {
                                                const Eigen::MatrixXd& covariance);
 
 /// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is the
-/// covariance of all rows [Hz²]. The result is empty if shapes were measured, or if the solutions
-/// that two seconds allow are too few.
+/// covariance of all rows [Hz²]. The result is empty if shapes were measured, or if two seconds
+/// allow too few solutions.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,
     const Eigen::MatrixXd& frequency_covariance);

@@ -1,4 +1,4 @@
-// Jumps between models that use the fitted mixtures. A jump keeps the standardised position within
+// Jumps between models, based on the fitted mixtures. A jump keeps the standardised position within
 // a mixture component.
 #pragma once
 
