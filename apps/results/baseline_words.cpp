@@ -59,7 +59,7 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
     if (c.at_prior()) unmoved.push_back(c.name);
   if (!unmoved.empty())
     out.push_back(
-        "The data contain no information about " + in_words(unmoved) +
+        "The data contain almost no information about " + in_words(unmoved) +
         " of the intact structure beyond " +
         (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
         " assumed, not measured.");

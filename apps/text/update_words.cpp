@@ -168,7 +168,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
   const auto unmoved = at_prior(findings);
   if (!unmoved.empty())
     out.push_back(
-        "The data contain no information about " + named(unmoved) + " beyond " +
+        "The data contain almost no information about " + named(unmoved) + " beyond " +
         (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
         " assumed, not measured.");
   for (std::size_t i = 0; i < findings.entangled.size(); ++i) {
@@ -189,7 +189,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
     if (!single && !d.weights.empty()) directions.push_back(in_words(d));
   }
   if (!findings.untouched.empty()) {
-    std::string text = "The data have almost no information about " +
+    std::string text = "The data contain almost no information about " +
                        std::to_string(findings.untouched.size()) + " of " +
                        std::to_string(findings.contractions.size()) +
                        " directions in the parameter space (each parameter in units of its "
