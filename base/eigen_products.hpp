@@ -5,7 +5,7 @@
 // combination needs dozens of expression types, whose compilation took half of the build time. This
 // header makes Eigen pass products of real and complex matrices of any type to the functions
 // `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. These functions take
-// addresses, sizes and strides. Their results are those of Eigen, because eigen_products.cpp calls
+// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
 // Eigen's products for matrices with the same storage order.
 //
 // In a product of a real and a complex matrix, the real matrix is converted to complex first: an

@@ -23,8 +23,8 @@ struct CheckedResponse {
   Response response;
   double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
                         ///< has no truncation error
-  /// Options of the simulation that gave the response. They contain the extensions of the links and
-  /// the step limit that was sufficient.
+  /// Options of the simulation that gave the response. The options contain the extensions of the
+  /// links and the step limit that was sufficient.
   SimulatorOptions options;
 };
 

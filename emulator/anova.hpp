@@ -8,8 +8,8 @@
 
 namespace wheeltap::emulator {
 
-/// The additive quantity: a function of a response f. Its changes due to several components are
-/// summed.
+/// The additive quantity: a function of a response f whose changes due to several components add
+/// up.
 enum class Additive {
   response,   ///< f itself
   logarithm,  ///< ln f, f > 0

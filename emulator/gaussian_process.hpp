@@ -43,8 +43,8 @@ struct LogLikelihood {
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
   /// If true, all responses have the same correlation lengths; an evaluation then takes as long as
-  /// that of one response. If false, each response has its own correlation lengths. Then
-  /// predictions are more accurate for responses that oscillate with different wavelengths.
+  /// that of one response. If false, each response has its own correlation lengths. Separate
+  /// lengths give more accurate predictions if responses oscillate with different wavelengths.
   bool shared_lengths = false;
   /// If true, the nugget is fitted too, for runs with noise. If false, the nugget is the smallest
   /// value that keeps R positive definite, and the process interpolates the runs.

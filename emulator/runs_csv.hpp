@@ -48,7 +48,7 @@ struct ResponseColumns {
                                   const ResponseColumns& responses);
 
 /// Converts scattered runs to a grid if their points are all combinations of the factors' values,
-/// and each combination occurs once. Otherwise returns std::nullopt.
+/// and each combination occurs once. For any other points, returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

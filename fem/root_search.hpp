@@ -26,7 +26,7 @@ struct Found {
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j
-  std::size_t stride;         ///< distance between columns: number of modes, at least two
+  std::size_t stride;         ///< distance between columns: the larger of 2 and the number of modes
   int modes;
   const Window* window;
   int added_poles = 0;           ///< number of floating masses, the first `eigenvalues`

@@ -35,7 +35,7 @@ struct AnyLaw {};
 ///
 /// N is the number of masses; for N = 0, task.masses gives the number. kSerial is true if link i
 /// joins masses i and i + 1. If all force laws of the chain have the same type, OnlyLaw is this
-/// type, so that no force law is selected at run time. Otherwise OnlyLaw is AnyLaw.
+/// type, so that no force law is selected at run time. For different types, OnlyLaw is AnyLaw.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:

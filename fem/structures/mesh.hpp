@@ -47,9 +47,9 @@ class Mesh {
   }
   [[nodiscard]] double member_length(int member) const;
 
-  /// Returns the element of a member that contains s [m]. Element e covers [s_e, s_{e+1}); the last
-  /// element includes its end. If the distance of s from a boundary is below 1e-9 times the
-  /// member's length, s counts as this boundary. Throws std::invalid_argument outside the member.
+  /// Returns the element that contains the position s [m] of a member. Element e covers [s_e,
+  /// s_{e+1}); the last element includes its end. A position within 1e-9 member lengths of a
+  /// boundary counts as this boundary. Throws std::invalid_argument outside the member.
   [[nodiscard]] int element_at(int member, double s) const;
 
   /// Returns the deflections and slopes (w₁, w₁', w₂, w₂') at the ends of an element, for a

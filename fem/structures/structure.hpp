@@ -93,8 +93,8 @@ struct NodeMass {
   Vector3 inertia = {};  ///< rotary inertia about x, y, z [kg·m²]
 };
 
-/// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround). It acts
-/// along the line between the nodes, or on the difference of their displacements in one direction.
+/// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround). The spring
+/// acts along the line between the nodes, or on their relative displacement in one direction.
 struct NodeSpring {
   static constexpr int kGround = -1;
   static constexpr int kAlong = -1;

@@ -356,7 +356,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   out.largest_order =
       std::min(requested, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
   if (out.largest_order < 2)
-    refuse("samples", static_cast<double>(length), "too few for any order");
+    refuse("samples", static_cast<double>(length), "too few for any model order");
   out.remarks.order_cut = out.largest_order < requested ? requested : 0;
   out.lags = static_cast<int>(lags);
   out.replicates = options.blocks > 0 ? options.blocks : kSurrogates;

@@ -67,10 +67,10 @@ struct Stabilisation {
 };
 
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
-/// joined. The poles of joined clusters have the same shape (MAC above 0.9). Their frequencies and
-/// damping ratios differ by less than three standard deviations, and the frequencies lie within
-/// their half-power bandwidths. Clusters with different shapes are not joined, even if their
-/// frequencies are close.
+/// joined. The poles of joined clusters have the same shape (MAC above 0.9). The frequencies and
+/// damping ratios of these poles differ by less than three standard deviations, and the frequencies
+/// lie within the half-power bandwidths. Clusters with different shapes are not joined, even if
+/// their frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least the fraction
 /// `least_share` of the model orders, counted from the first with this cluster. A cluster is

@@ -55,8 +55,8 @@ struct ParametricModesOptions {
 /// rigid-body motions. The sine of the angle between a computed and the true shape is at most
 /// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
 ///
-/// The error bounds prove that an exact eigenvalue lies near each result. They do not prove that no
-/// mode is missing. Sturm counts check for missing modes at every training point during the
+/// The error bounds prove that an exact eigenvalue lies near each result. The bounds do not prove
+/// that no mode is missing. Sturm counts check for missing modes at every training point during the
 /// training. Later solutions in a basis are not checked for missing modes. Every solution from
 /// sparse matrices is checked by a Sturm count. Degrees of freedom without mass need no special
 /// treatment, because V includes their static response.
@@ -99,8 +99,8 @@ class ParametricModes {
   /// no valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative spacing of
-  /// eigenvalues is below 1e-6, the derivatives of these shapes exclude the indeterminate rotation
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes whose relative
+  /// eigenvalue spacing is below 1e-6, the derivatives of shapes exclude the indeterminate rotation
   /// within their subspace. If the full problem was solved, the derivatives are computed in the
   /// basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
   /// solution by the basis or by sparse matrices failed.

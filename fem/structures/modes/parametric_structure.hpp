@@ -72,7 +72,7 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms that are given as matrices (parts of K). These terms come last.
+  /// The number of terms given as matrices (parts of K); the terms given as matrices come last.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
   /// The columns C_t of all low-rank terms, one column per rank; empty if a term is not positive

@@ -16,7 +16,7 @@ namespace wheeltap::fem {
 /// degree; Amestoy, Davis & Duff 1996). The object is immutable after construction.
 ///
 /// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w has
-/// index i W + w, so that one pass over the pattern treats all W. All positions are known in
+/// index i W + w, so that one pass over the pattern treats all W. All positions are computed in
 /// advance. For a small structure, a search for positions would take more time than the arithmetic.
 class SparseFactor {
  public:

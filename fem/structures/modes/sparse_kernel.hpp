@@ -17,7 +17,7 @@ struct Run {
   std::uint32_t first, length;
 };
 
-/// Consecutive columns of L with entries in the same rows below the group. The entries of such a
+/// Consecutive columns of L with entries in the same rows below the group. The entries of a column
 /// group form a dense block.
 struct ColumnGroup {
   std::uint32_t first, columns;  ///< the first column, and the number of columns
