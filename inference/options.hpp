@@ -59,8 +59,8 @@ struct Options {
 
   /// False: do not compute the evidences of models and the probability masses of posterior modes
   /// (NaN), for a caller that needs only draws. The exploration then has at most three rounds of
-  /// importance sampling per model, and two local optimisations from the draws of the tempering;
-  /// this suffices for starting points and proposals.
+  /// importance sampling per model, and two local optimisations from draws of the parallel
+  /// tempering. This suffices for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in

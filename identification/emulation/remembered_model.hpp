@@ -19,8 +19,8 @@ namespace wheeltap::identification {
 class RememberedModel final : public OutsideModel {
  public:
   /// Reads the stored results from the file `journal`; an empty path disables the journal.
-  /// `identity` identifies the model to which the results belong. Throws io::FileError with reason
-  /// foreign, mismatch, corrupt or unwritable.
+  /// `identity` identifies the model to which the results belong. Throws io::FileError with the
+  /// reason `foreign`, `mismatch`, `corrupt` or `unwritable`.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 

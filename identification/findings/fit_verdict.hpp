@@ -61,7 +61,7 @@ inline constexpr double kMisfit = 1e-3;
 /// Largest RMS of a small residual, divided by the RMS of the response. The text of the report
 /// mentions a small residual that is not noise; the heading does not.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
+/// Limit of a residual, relative to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
 /// Goodness of fit of the most probable model that explains the data and has a probability of at

@@ -4,8 +4,8 @@
 //
 // Under a correct baseline model, the mean of S_t is at most t (in rows), so that the mean number
 // of rows to a false alarm at threshold A is at least A. As the model may be wrong, the threshold
-// is also calibrated by replay: the detector processes series of standardised residuals, which are
-// drawn in blocks from healthy rows outside the training rows.
+// is also calibrated by replay: the detector processes series of standardised residuals. Blocks of
+// residuals are drawn from healthy rows outside the training rows.
 #pragma once
 
 #include <cstdint>

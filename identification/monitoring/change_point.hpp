@@ -115,7 +115,7 @@ class ChangePoint {
 
   /// Processes the next row; all its features may be missing. The features of a row are not used if
   /// the error from missing covariates may shift a feature by more than kLargestWeatherError times
-  /// its residual standard deviation: such an error is common to many rows and would look like a
+  /// its residual standard deviation. Such an error is common to many rows and would look like a
   /// change.
   PredictedRow add(const Row& row);
 

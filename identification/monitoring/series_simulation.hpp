@@ -25,7 +25,7 @@ struct WeatherTruth {
 
 struct FeatureTruth {
   double value = 1.0;       ///< value of the feature at the mean temperature
-  double slope = -0.0005;   ///< slope of the feature's logarithm, 1/K
+  double slope = -0.0005;   ///< slope of the feature's logarithm against temperature, 1/K
   double frost = -0.0025;   ///< the additional slope below freezing, 1/K
   double noise_sd = 0.003;  ///< noise: sd divided by the value
   double drift_sd = 0.001, unmeasured_sd = 0.0;

@@ -51,7 +51,7 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;  ///< sd of shape entries: median over the modes
-  /// The same median, for shapes with a largest entry of 1 over the sensors of the best design.
+  /// The same median for shapes whose largest entry at the sensors of the best design is 1.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< close modes (from 0): only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of at least one defect

@@ -70,13 +70,13 @@ struct RepeatedTests {
 /// Number of standard errors (N^-1/2) beyond which a serial correlation is significant.
 inline constexpr double kSerialLevel = 2.0;
 
-/// Infers the mean frequencies and the scatter of repeated tests. \param
-/// frequencies_hz tests × modes, > 0; NaN: not identified The results, except
-/// `serial_correlation` and `inflation`, do not depend on the order of the tests.
-/// Throws std::invalid_argument, with the mode, in three cases: a frequency is not
-/// positive; all frequencies of a mode are equal; a mode was identified, but in
-/// fewer than kLeastTests tests or in less than the fraction kLeastShare of the
-/// tests.
+/// Infers the mean frequencies and the scatter of repeated tests.
+/// \param frequencies_hz tests × modes, > 0; NaN: not identified
+/// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
+/// tests. Throws std::invalid_argument, with the mode, in three cases: a frequency is not
+/// positive; all frequencies of a mode are equal; or a mode was identified, but in fewer than
+/// kLeastTests tests, or in a fraction of the tests that is
+/// smaller than kLeastShare.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});
 

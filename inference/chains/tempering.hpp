@@ -121,8 +121,8 @@ class TemperedChain {
 /// their prior: 100 000 draws, or 5000 if the record can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
 /// the first model, if the likelihood of all models is zero at every draw. The optional function
-/// `goes_on` is called before every draw with the number of completed draws divided by the maximum
-/// number of draws. If `goes_on` returns false, the remaining models are not checked.
+/// `goes_on` is called before every draw with the completed fraction of the maximum number of
+/// draws. If `goes_on` returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

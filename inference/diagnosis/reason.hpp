@@ -79,12 +79,12 @@ struct ModesLeftOut {
   long modes = 0;      ///< number of modes that were left out
   double share = 0.0;  ///< fraction of the probability mass at these modes (Laplace)
 };
-/// R-hat of a quantity with the same meaning in every model is too large.
+/// R-hat is too large for a quantity that has the same meaning in every model.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or a watched quantity
   double rhat = 0.0, limit = 0.0;  ///< R-hat, which must be below `limit`
 };
-/// Too few effective draws of a quantity with the same meaning in every model.
+/// Too few effective draws of a quantity that has the same meaning in every model.
 struct TooFewEffectiveDraws {
   std::string quantity;           ///< "log posterior", "count", "model"
   double ess = 0.0, limit = 0.0;  ///< effective sample size, which must exceed `limit`

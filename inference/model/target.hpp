@@ -163,9 +163,9 @@ struct Problem {
   /// record can have too many modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
-  /// True if an evaluation takes about a hundred times as long as an MCMC step, for example for the
-  /// modes of a structure of many degrees of freedom. The engine then begins with fewer tuning
-  /// steps and draws.
+  /// True if an evaluation takes about a hundred times as long as an MCMC step, for example if it
+  /// computes the modes of a large FE model. The engine then begins with fewer tuning steps and
+  /// draws.
   bool costly = false;
 };
 
@@ -262,7 +262,7 @@ class Target {
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
   /// z_i. Returns false, with `dz` undefined, if the posterior density of the state is zero, the
-  /// likelihood has no finite gradient, or the problem has an approximation or a prior factor; the
+  /// likelihood has no finite gradient, or the problem has an approximation or a prior factor. The
   /// caller then uses differences. A gradient counts as one evaluation.
   bool gradient(const State& state, std::span<double> dz);
 

@@ -22,7 +22,7 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< optimisations; 0: as many as `budget` allows, kFewestClimbs to kMostClimbs
+  long climbs = 0;  ///< number; 0: as `budget` allows, from kFewestClimbs to kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
   /// optimisations in progress are finished. Optimisations after replacements of components may use
   /// a further 10 % of the budget, or as many evaluations as before.
@@ -84,8 +84,8 @@ inline constexpr long kMostClimbs = 10000;
 /// are followed with smaller increments of the record. Further optimisations on the whole record
 /// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
-/// With two components or more, optimisations also start from the highest modes with one
-/// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
+/// With two components or more, optimisations also start from the highest modes after replacement
+/// of one component by the most probable of 64 prior draws. New modes are treated likewise.
 ///
 /// If the basin of a mode has the prior probability p, all n optimisations miss it with probability
 /// (1-p)^n. The basin contains all points from which an optimisation with finite steps reaches the

@@ -41,7 +41,7 @@ struct DamageCase {
   int rigid_body_modes = 0;  ///< number for the intact beam; the data do not contain these modes
   FrequencyData data = {};   ///< empty until frequencies are simulated
   /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
-  /// structure are unknown or several states were measured; `data` then contains only the
+  /// structure are unknown or several states were measured. `data` then contains only the
   /// frequencies of the measured modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
   std::optional<Baseline> baseline = {};  ///< if set, `data` are already divided by b/m

@@ -32,7 +32,7 @@ namespace wheeltap::identification {
 class ShapeDensity {
  public:
   /// `values` is ψ, of any scale and sign. `covariance` is Σ for ψ scaled to a largest entry of 1:
-  /// m × m, positive definite, if necessary without one entry. Throws std::invalid_argument for
+  /// m × m, positive definite without an entry of zero variance. Throws std::invalid_argument for
   /// fewer than 2 entries, non-finite numbers, a zero shape, and an invalid covariance.
   ShapeDensity(Eigen::VectorXd values, const Eigen::MatrixXd& covariance);
 

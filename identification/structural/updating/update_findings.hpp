@@ -27,7 +27,7 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation`: of their z, within a solution.
+/// Two parameters that the data cannot distinguish; `correlation` refers to their z in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;

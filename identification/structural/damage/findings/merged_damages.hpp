@@ -2,9 +2,9 @@
 // length that one damage covers (for example an element) and not on the data.
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
-// the lowest orders of l divided by the wavelength of the mode, frequencies depend only on the sum,
-// centre and spread of the c_i of the damages i. Two damages are replaced by one damage of length L
-// with the same sum, centre and spread,
+// the lowest orders of the ratio of l to the wavelength of the mode, frequencies depend only on the
+// sum, centre and spread of the c_i of the damages i. Two damages are replaced by one damage of
+// length L with the same sum, centre and spread,
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
 //
