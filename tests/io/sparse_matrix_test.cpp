@@ -88,7 +88,7 @@ TEST(SparseMatrix, FoldersHoldMatrixMarketFiles) {
   EXPECT_EQ(read_sparse_matrix(directory / "", "K").coeff(0, 0), 7.0);
   EXPECT_EQ(read_sparse_matrix(directory / "", "K.mtx").coeff(0, 0), 7.0);
   expect_refused([&] { (void)read_sparse_matrix(directory / "", "M"); },
-                 "has no file M.mtx; there are: K");
+                 "has no file M.mtx; its files: K");
   expect_refused([&] { (void)read_sparse_matrix(directory / "none", "M"); }, "no such file",
                  Kind::missing);
   expect_refused([&] { (void)read_sparse_matrix(directory / "K.mtx", "K"); }, "MATLAB",
