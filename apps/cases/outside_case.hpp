@@ -39,7 +39,7 @@ struct CommandSpec {
 struct OutsideSpec {
   std::optional<UmbridgeSpec> umbridge = {};
   std::optional<CommandSpec> command = {};  ///< exactly one of `command` and `umbridge` is set
-  std::vector<int> order = {};              ///< input i is unknown order[i]
+  std::vector<int> order = {};              ///< input i is the unknown with index order[i]
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =

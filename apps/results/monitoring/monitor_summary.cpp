@@ -264,7 +264,8 @@ std::string shifts_in_words(const Report& alarm) {
   std::ranges::sort(shifts);
   std::vector<std::string> words;
   for (const auto& [order, text] : shifts) words.push_back(text);
-  return words.empty() ? std::string("no feature with a certain shift") : in_words(words);
+  return words.empty() ? std::string("no feature whose shift differs significantly from zero")
+                       : in_words(words);
 }
 
 std::string false_alarms_in_words(const Report& monitor) {
