@@ -97,7 +97,7 @@ struct SimulatorOptions {
   /// the rate and a time step is at most 1 and at most 5 step_limit. The number of these steps per
   /// sample is at most kMaxPacedSubsteps. If a parameter vector needs more steps, its simulation
   /// fails. For `series` and `piecewise`, this option is the number of series expansions per
-  /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// sample; ω h and γ h are at most 0.7 and 3.5 step_limit.
   int substeps = 0;
   /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
   /// time step of this length multiplies a frequency ω by 1 - (ω h)⁴/120 and adds the numerical

@@ -58,7 +58,7 @@ struct Conversion {
 /// dimension are converted. Without `wanted`, units of any dimension are converted.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// Returns the unit of a column: the unit in brackets or in the line of units. Without such a unit,
+/// Returns the unit of a column: the unit in brackets or in the line of units. For other columns,
 /// the result is a known unit at the end of the column's name. This unit follows " / ", ", ", " in
 /// ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), is in {} or <>, or is a quotient as the
 /// last word ("a m/s^2"). The result is empty if the column has no unit.

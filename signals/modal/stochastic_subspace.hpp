@@ -91,7 +91,7 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles of a model order with the indices `places`, and their changes by data block.
+  /// Returns the poles with the indices `places`, with the changes that each data block causes.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:
