@@ -84,8 +84,8 @@ struct PilotOptions {
   /// Probability of each model. If the list is empty, the fraction of visits to each model at the
   /// coldest temperature is used instead.
   std::vector<double> probability{};
-  /// Posterior modes of each model, found by the mode searches. A mode that the fitted mixture does
-  /// not cover is added to the mixture.
+  /// Posterior modes of each model, found by the mode searches. A posterior mode that the fitted
+  /// mixture does not cover is added to the mixture.
   std::vector<std::vector<NormalMixture::Component>> modes{};
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,

@@ -33,10 +33,10 @@ struct MoveStatistics {
 struct FoundMode {
   std::vector<double> x;       ///< physical parameters
   double log_posterior = 0.0;  ///< log posterior density in standard normal coordinates
-  long climbs = 0;             ///< number of local optimisations that ended at this mode
-  /// Fraction of the model's probability mass near this mode, by importance sampling
+  long climbs = 0;             ///< number of local optimisations that ended at this posterior mode
+  /// Fraction of the model's probability mass near this posterior mode, by importance sampling
   double share = 0.0;
-  /// Fraction of the model's draws near this mode, one per chain; NaN: no draws
+  /// Fraction of the model's draws near this posterior mode, one per chain; NaN: no draws
   std::vector<double> drawn;
 };
 
@@ -96,7 +96,7 @@ enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,
   /// The mode search used the first samples of a record, then followed each posterior mode as more
-  /// samples were added. The chains started near the resulting modes.
+  /// samples were added. The chains started near the resulting posterior modes.
   started_on_first_samples,
   /// The run was stopped before its first draw; the draws come from the mode searches
   drawn_by_searches,

@@ -32,7 +32,7 @@ struct ModelUnknown {
 /// should have visited.
 struct ModeNotInEveryChain {
   int model = 0;
-  double share = 0.0;  ///< fraction of the model's probability mass near this mode
+  double share = 0.0;  ///< fraction of the model's probability mass near this posterior mode
   int visited = 0, chains = 0;
 };
 /// The chains disagree on the fraction of a model's draws that lie near a posterior mode.
@@ -76,7 +76,7 @@ struct EvidenceUnreliable {
 /// A search found more separate posterior modes than it can keep.
 struct ModesLeftOut {
   int model = 0;
-  long modes = 0;      ///< number of modes that were left out
+  long modes = 0;      ///< number of posterior modes that were left out
   double share = 0.0;  ///< fraction of the probability mass at these modes (Laplace)
 };
 /// R-hat is too large for a quantity that has the same meaning in every model.

@@ -29,8 +29,8 @@ struct Verdict {
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
-  /// not known. The search may miss a narrower mode even if its basin of steepest ascent exceeds
-  /// `resolution` (resolution_of).
+  /// not known. The search may miss a narrower posterior mode even if its basin of steepest ascent
+  /// exceeds `resolution` (resolution_of).
   double resolved_width = 0.0;
   /// Number of models searched by local optimisations alone; `resolution` excludes these
   int glanced = 0;
@@ -50,7 +50,7 @@ struct Verdict {
   double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail effective sample size
 
-  /// `resolution` for modes of the given width, in standard deviations of the prior
+  /// `resolution` for posterior modes of the given width, in standard deviations of the prior
   /// (search_resolution).
   [[nodiscard]] double resolution_of(double width) const {
     return search_resolution(resolution, resolved_width, width);
@@ -66,10 +66,10 @@ struct Verdict {
 ///   or a prior weight of 0, or lies outside Occam's window.
 /// - Model probabilities from visits and from evidence agree within 4.5 combined errors (7e-6) plus
 ///   0.005. No ln Z by SMC exceeds ln Z of the draws by more than 4.5 standard errors plus 0.5. The
-///   evidence by SMC may be lower, because SMC may miss a mode that the chains visit.
+///   evidence by SMC may be lower, because SMC may miss a posterior mode that the chains visit.
 /// - Every chain visited each posterior mode that the searches found and that should have more than
-///   10 effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within
-///   the variability expected for the number of effective draws (1e-6).
+///   10 effective draws per chain (5e-5). R-hat of the posterior mode's indicator is below 1.05, or
+///   within the variability expected for the number of effective draws (1e-6).
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
 ///   are outside, this fraction must have a relative error of at most 0.1. This error requires 100

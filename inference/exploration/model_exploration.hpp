@@ -63,7 +63,7 @@ struct ExplorationCalls {
 struct ModelExploration {
   /// Posterior modes, the mode with the largest probability mass first
   std::vector<Mode> modes;
-  std::vector<double> shares;  ///< fraction of the probability mass near each mode
+  std::vector<double> shares;  ///< fraction of the probability mass near each posterior mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
   long left_out = 0;     ///< ModeSearch::left_out
@@ -100,18 +100,18 @@ struct ModelExploration {
 /// maximise the density from many starting points, and SMC follows the probability mass along a
 /// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
-/// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only
-/// one method found is thus included. A mode that both methods found is counted once.
+/// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only one
+/// method found is thus included. A posterior mode that both methods found is counted once.
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
 /// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
 /// probability mass. Two results indicate missed probability mass. First, the evidence by SMC
 /// exceeds the evidence by the mixture significantly, by the criterion of the convergence
 /// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
-/// draws leads to another mode. On a record, SMC may fail on the first samples. SMC then ends after
-/// a fixed number of likelihood evaluations, and local optimisations from its current draws replace
-/// it. A full SMC run follows only if the brief run shows missed probability mass, or if the local
-/// optimisations did not determine the posterior.
+/// draws leads to another posterior mode. On a record, SMC may fail on the first samples. SMC then
+/// ends after a fixed number of likelihood evaluations, and local optimisations from its current
+/// draws replace it. A full SMC run follows only if the brief run shows missed probability mass, or
+/// if the local optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
@@ -125,9 +125,9 @@ enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the mode whose normal approximation, divided by its peak value, is the highest at z.
-/// This is the nearest mode if distances are measured in standard deviations of each mode. The
-/// result is -1 if `modes` is empty.
+/// Index of the posterior mode whose normal approximation, divided by its peak value, is the
+/// highest at z. This is the nearest mode if distances are measured in standard deviations of each
+/// mode. The result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

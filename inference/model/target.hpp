@@ -158,9 +158,9 @@ struct Problem {
   /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
-  /// samples of the record. The engine then searches for modes on records of increasing length.
-  /// Each search starts from the posterior mode for the shorter record. The posterior for the whole
-  /// record can have too many modes for a direct search.
+  /// samples of the record. The engine then searches for posterior modes on records of increasing
+  /// length. Each search starts from the posterior mode for the shorter record. The posterior for
+  /// the whole record can have too many posterior modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
   /// True if an evaluation takes about a hundred times as long as an MCMC step, for example if it
