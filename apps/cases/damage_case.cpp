@@ -445,7 +445,7 @@ void finish_data(const CaseFile& f, DamageCase& out) {
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {
     f.refuse(damage_key("/data/cov"),
              "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
-             "write \"cov\": 0.005 for 0.5 % of each");
+             "write \"cov\": 0.005 for 0.5 % of each frequency");
   }
   if (f.json.contains("baseline")) {
     if (out.data.simulated)

@@ -178,7 +178,7 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
   if (baseline.sd_hz.empty())
     f.refuse(where / "cov",
              "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
-             "write \"cov\": 0.005 for 0.5 % of each");
+             "write \"cov\": 0.005 for 0.5 % of each frequency");
   try {
     compare_with_baseline(out, baseline);
   } catch (const InvalidInput& error) {

@@ -265,7 +265,7 @@ class ModalDataParser {
     } else if (n > 0) {
       file_.refuse(where_ / "cov",
                    "is missing: give the uncertainty of the frequencies, \"cov\", \"sd\" or "
-                   "\"covariance\"; for example, write \"cov\": 0.005 for 0.5 % of each");
+                   "\"covariance\"; for example, write \"cov\": 0.005 for 0.5 % of each frequency");
     }
     if (!has("covariance")) return;
     std::vector<Index> measured;

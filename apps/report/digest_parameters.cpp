@@ -140,7 +140,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       Report one = one_parameter(posterior, series, m, all, stated);
       if (one.is_null()) continue;
       list.push_back(std::move(one));
-      // Omit a constant from pairs (for example, a damage that is always on one member).
+      // Omit a constant unknown from the pairs (for example, if all damages are on one member).
       const auto [low, high] = std::ranges::minmax(all);
       if (labels.size() < kMostPairs && low < high) {
         labels.push_back(series.label);
