@@ -31,8 +31,8 @@ struct EmulatorSpec {
       /// Quantity in which ANOVA adds the effects of damages; empty: one table per damage count
       anova;
   std::vector<int>
-      /// For space-filling designs: entry i is the number of runs for i + 1 damages. The last entry
-      /// also applies to all larger counts
+      /// For space-filling designs: entry i is the number of FE runs for i + 1 damages. The last
+      /// entry also applies to all larger counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of space-filling designs
   std::vector<std::filesystem::path> csv;  ///< user's training runs; file i: with i + 1 damages

@@ -1,4 +1,4 @@
-// A cache for the results of an expensive external model, within a run and between runs.
+// A cache for the results of an expensive external model, within and between program runs.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Comparison of a plan's approximate evidences with runs of the full engine (reversible-jump MCMC).
+// Comparison of a plan's approximate evidences with the full engine (reversible-jump MCMC).
 #pragma once
 
 #include <functional>

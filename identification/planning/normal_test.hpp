@@ -148,7 +148,7 @@ class NormalTest {
   std::vector<Eigen::Index> first_;                     // first node of each location, and the end
   std::vector<double> squares_;                         // |node|²
   std::vector<double> next_products_;                   // node · next node of the location
-  std::vector<Eigen::Index> typical_;                   // typical node of each place
+  std::vector<Eigen::Index> typical_;                   // typical node of each location
   std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
   std::vector<std::vector<double>> along_;              // nodes projected on the typical node
   std::vector<Bend> bends_;                             // per location

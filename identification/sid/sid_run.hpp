@@ -42,7 +42,7 @@ struct Look {
 
 struct SidRun {
   std::unique_ptr<const SidProblem> problem;
-  inference::Options engine;  ///< options of the sampler in the run
+  inference::Options engine;  ///< options of the sampler that were used
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< settings of the last repeat
   /// Samples that a quick run used, if it did not use the whole record

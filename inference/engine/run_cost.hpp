@@ -25,7 +25,7 @@ struct ProblemSize {
   double models = 1.0;
   double dimensions = 0.0;   ///< sum of the dimensions of all models
   double largest = 0.0;      ///< largest dimension of a model
-  double predictions = 0.0;  ///< numbers stored per draw besides the parameters
+  double predictions = 0.0;  ///< values stored per draw besides the parameters
   double explored = 0.0;     ///< likelihood evaluations per dimension before the first draw
   double seconds_a_likelihood = 0.0;
 };

@@ -22,7 +22,7 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< number; 0: as `budget` allows, from kFewestClimbs to kMostClimbs
+  long climbs = 0;  ///< number of optimisations; 0: kFewestClimbs to kMostClimbs, by `budget`
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
   /// optimisations in progress are finished. Optimisations after replacements of components may use
   /// a further 10 % of the budget, or as many evaluations as before.
@@ -44,7 +44,7 @@ struct ModeSearchOptions {
 
 struct ModeSearch {
   std::vector<Mode> modes;  ///< by decreasing probability mass, down to e^-25 of the largest
-  long climbs = 0;          ///< number of completed optimisations from points of positive density
+  long climbs = 0;          ///< number of completed optimisations from starts of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower posterior mode may lie between two points.
   double spacing = 0.0;

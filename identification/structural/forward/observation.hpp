@@ -27,7 +27,7 @@ class Observation {
                              inference::Evaluation& out) const = 0;
 };
 
-/// Measured frequencies of the lowest elastic modes, identified by number; see NoiseModel.
+/// Measured frequencies of the lowest elastic modes, identified by mode number; see NoiseModel.
 class FrequencyObservation final : public Observation {
  public:
   explicit FrequencyObservation(FrequencyData data) : data_(std::move(data)) {}
