@@ -104,8 +104,8 @@ std::string one_solution(const UpdateFindings& findings, std::size_t which) {
          "): " + in_words(parts) + ".";
 }
 
-/// True if some modes may be spurious: at most a third have a shape that the model lacks, and the
-/// case does not allow for spurious modes ("doubt").
+/// True if some modes may be spurious: the model lacks the shapes of at most a third of the modes,
+/// and the case does not allow for spurious modes ("doubt").
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
   for (const ModeFinding& m : findings.modes) {
