@@ -25,8 +25,8 @@ struct ModalBand {
 /// Fourier coefficients of accelerations in a frequency band.
 struct BandLines {
   Eigen::VectorXd frequencies_hz;
-  /// channels × lines: F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the one-sided
-  /// spectral density [unit² / Hz].
+  /// Matrix (channels × lines) of F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the
+  /// one-sided spectral density [unit² / Hz].
   Eigen::MatrixXcd transform;
 };
 

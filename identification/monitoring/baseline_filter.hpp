@@ -33,12 +33,12 @@ struct BaselineParameters {
   CovariateTerms terms = {};
   double fast_rate = 0.1;  ///< 1/h
   double slow_hours = kSlowHours;
-  /// p entries each: standard deviations of the logarithms of the features
+  /// Standard deviations of the logarithms of the p features
   Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
-  Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
+  Eigen::MatrixXd correlation = {};  ///< correlation matrix of d (p x p)
   /// Degrees of freedom of the noise distribution, Student's t
   double degrees = kGaussian;
-  /// K x p: prior of the coefficients b
+  /// Prior of the coefficients b (K x p)
   Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};
 
   [[nodiscard]] int features() const { return static_cast<int>(noise_sd.size()); }

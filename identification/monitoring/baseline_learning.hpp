@@ -64,8 +64,8 @@ void carry(Parcel& parcel, Of& draw) {
 struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
-  Eigen::VectorXd reference = {};    ///< p: medians of the features in the training period
-  Eigen::VectorXd residual_sd = {};  ///< p: posterior mean of the sd of drift and noise together
+  Eigen::VectorXd reference = {};    ///< medians of the p features in the training period
+  Eigen::VectorXd residual_sd = {};  ///< posterior mean sd of drift and noise together, per feature
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters processed

@@ -92,8 +92,8 @@ void carry(Parcel& parcel, Of& c) {
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
-  Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
-  Eigen::VectorXd weather;   ///< p: posterior mean effect of the covariates
+  Eigen::VectorXd mean, sd;  ///< of the p features' logarithms, over the draws
+  Eigen::VectorXd weather;   ///< posterior mean effect of the covariates (p entries)
   /// False if the row has no features, or if missing covariates leave the effect of the weather
   /// unknown (ChangePoint::add).
   bool is_scored = true;
@@ -104,8 +104,8 @@ struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
   double ramp_probability = 0.0;                                 ///< P(ramp | change)
-  Eigen::VectorXd shift, shift_sd;      ///< p, shift of the features' logarithms, given a change
-  Eigen::VectorXd shifted_probability;  ///< p: probability that the feature shifted, given a change
+  Eigen::VectorXd shift, shift_sd;      ///< shifts of the p features' logarithms, given a change
+  Eigen::VectorXd shifted_probability;  ///< probability that each feature shifted, given a change
 };
 
 class ChangePoint {

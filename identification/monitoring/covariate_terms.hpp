@@ -95,9 +95,9 @@ struct CovariateTerms {
   /// Covariate of each hinge: index among the used covariates
   std::vector<int> hinge_of = {};
   std::vector<double> knots = {};  ///< value of z at each hinge
-  /// C entries: smallest and largest lagged value v in the training period
+  /// Smallest and largest lagged value v of each covariate in the training period
   Eigen::VectorXd low = {}, high = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< C: extremes of v with the long lag
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< extremes of v with the long lag
 
   /// Number of terms in phi for c = `covariates` used covariates: 1 + c + knots + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {

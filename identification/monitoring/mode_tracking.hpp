@@ -57,10 +57,10 @@ struct TrackedMode {
 
 /// The assignment of one record's identified modes to tracked modes.
 struct TrackedRecord {
-  /// K entries: the most probable identified mode, or -1 if its probability is below one half.
+  /// The most probable identified mode for each of K tracked modes; -1: probability below one half.
   std::vector<int> mode = {};
-  Eigen::VectorXd probability = {};  ///< K entries: probability of `mode` (-1: of no match)
-  /// K x modes: marginal probabilities of all pairs. P(missing) is 1 minus the sum of a row;
+  Eigen::VectorXd probability = {};  ///< probability of each entry of `mode` (-1: of no match)
+  /// Marginal probabilities of all pairs (K x modes). P(missing) is 1 minus the sum of a row;
   /// P(spurious) is 1 minus the sum of a column.
   Eigen::MatrixXd pairs = {};
 };
@@ -91,7 +91,7 @@ class ModeTracker {
   std::vector<TrackedMode> modes_;
   double spurious_ = 1.0;                ///< λ: spurious modes per unit of ln f
   Eigen::MatrixXd learned_covariates_;   ///< n x c
-  Eigen::MatrixXd learned_frequencies_;  ///< n x K: ln f, NaN: missing
+  Eigen::MatrixXd learned_frequencies_;  ///< ln f (n x K); NaN: missing
 };
 
 /// Marginal probabilities of pairs, K x M. `ratio` is L_kj/λ; `detection` has the K entries D_k.

@@ -38,7 +38,7 @@ struct ThermometerTruth {
 /// A change of features or of thermometer readings, as a step or a ramp.
 struct ChangeTruth {
   double hours = 0.0, ramp_hours = 0.0;
-  Eigen::VectorXd shift = {};   ///< p: shift of the logarithms
+  Eigen::VectorXd shift = {};   ///< shifts of the p features' logarithms
   Eigen::VectorXd offset = {};  ///< c, K
 };
 

@@ -43,8 +43,8 @@ class ProcessRegression {
  private:
   struct Feature {
     Eigen::MatrixXd points = {};   // covariates x n
-    Eigen::MatrixXd inverse = {};  // n x n: inverse kernel matrix
-    Eigen::VectorXd weights = {};  // n: inverse times values of the feature
+    Eigen::MatrixXd inverse = {};  // inverse kernel matrix (n x n)
+    Eigen::VectorXd weights = {};  // `inverse` times the n values of the feature
     double mean = 0.0, length = 1.0, noise = 0.1, variance = 1.0;
   };
   [[nodiscard]] static Feature fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);

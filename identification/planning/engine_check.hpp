@@ -18,7 +18,7 @@ namespace wheeltap::identification::planning {
 struct EngineOutcome {
   double probability_damaged = 0.0;
   int model = 0;       ///< most probable model
-  bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
+  bool right = false;  ///< true if count and locations are correct by the criteria of TestScorer
   /// Log posterior density (in standard normal coordinates) of the true damage, minus the highest
   /// one that the run found in the true model. A value of several nats means that the search missed
   /// the true damage.

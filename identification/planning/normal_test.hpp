@@ -14,8 +14,8 @@ namespace wheeltap::identification::planning {
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(location | one defect of the kind)
-  /// Data values × (S + 1): change of the mean data by the defect, in standard deviations, at the
-  /// quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
+  /// Matrix (data values) × (S + 1): change of the mean data by the defect, in standard deviations,
+  /// at the quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
 };
 

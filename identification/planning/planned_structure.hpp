@@ -26,7 +26,7 @@ struct TestModes {
   /// Candidate sensors × modes, mass-normalised. Measured modes come first, then unmeasured modes
   /// that are close to a measured mode.
   Eigen::MatrixXd shapes;
-  Eigen::MatrixXd with_mass;  ///< modes × added masses: ln f, ascending
+  Eigen::MatrixXd with_mass;  ///< ln f with each mass, ascending (modes × added masses)
 };
 
 /// A possible location of a defect: one or several adjacent cells on the line of its kind.

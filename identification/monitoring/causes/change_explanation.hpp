@@ -30,7 +30,7 @@ struct CauseOptions {
   /// Prior weight of each kind among the kinds of damage, or among the kinds of added mass.
   std::vector<double> share = {};
   Eigen::VectorXd residual_sd = {};   ///< p
-  Eigen::VectorXd covariate_sd = {};  ///< c entries, in the training period; 0 if not used
+  Eigen::VectorXd covariate_sd = {};  ///< of c covariates in the training period; 0 if not used
 };
 
 /// Quantiles of a posterior distribution.

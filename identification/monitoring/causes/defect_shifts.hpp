@@ -20,7 +20,7 @@ struct DefectPath {
   double log_prior = 0.0;       ///< ln P(location | one defect of this kind)
   /// Nodes, ascending; a single node if the severity is known
   std::vector<double> severities = {};
-  Eigen::MatrixXd shifts = {};  ///< p x nodes; NaN: an impossible structure
+  Eigen::MatrixXd shifts = {};  ///< shifts (p x nodes); NaN: an impossible structure
 };
 
 /// All paths of all kinds of defect in a case. `modes` gives the elastic mode (from 0) of each of

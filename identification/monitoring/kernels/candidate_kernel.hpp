@@ -66,7 +66,7 @@ struct Entry {
   double v, s;          ///< innovation without a shift, and its variance
   double degrees;       ///< degrees of freedom of Student's t; infinity: Gaussian
   const double* along;  ///< h'k_i of feature j for the gains k_i of the e earlier entries
-  const double* prior;  ///< kSizes x p: inverse prior variances
+  const double* prior;  ///< inverse prior variances (kSizes x p)
 };
 
 struct CandidateKernel {

@@ -35,8 +35,8 @@ struct NumberingFinding {
   [[nodiscard]] bool is_doubtful() const { return probability < 0.9; }
 };
 
-/// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has
-/// the assumed column in `ln_f` of each measured mode, from 0. `ln_measured` and `covariance` are
+/// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has,
+/// for each measured mode, the assumed column of `ln_f`, from 0. `ln_measured` and `covariance` are
 /// ln f of the measured modes and its covariance. Requires more than 2 draws per mode.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,

@@ -12,7 +12,7 @@ namespace wheeltap::identification {
 /// Probability of a defect at each location, and of defects at both locations of each pair.
 struct PlaceProbabilities {
   std::vector<double> each;               ///< n
-  std::vector<std::vector<double>> both;  ///< n × n, symmetric; the diagonal is not used
+  std::vector<std::vector<double>> both;  ///< symmetric n × n matrix; the diagonal is not used
 };
 
 /// Finds groups of locations that exclude each other. In a group, each location is damaged with a
