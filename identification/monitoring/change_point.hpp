@@ -92,7 +92,7 @@ void carry(Parcel& parcel, Of& c) {
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
-  Eigen::VectorXd mean, sd;  ///< of the p features' logarithms, over the draws
+  Eigen::VectorXd mean, sd;  ///< mean and sd of the p features' logarithms, over the draws
   Eigen::VectorXd weather;   ///< posterior mean effect of the covariates (p entries)
   /// False if the row has no features, or if missing covariates leave the effect of the weather
   /// unknown (ChangePoint::add).
