@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; its value there is
-/// set to zero.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; there, the likelihood
+/// is set to zero.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
