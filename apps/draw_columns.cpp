@@ -28,7 +28,7 @@ DrawColumn model_column(const inference::Posterior& posterior) {
 DrawColumn parameter_column(const inference::Posterior& posterior, int parameter, std::string name,
                             std::string unit) {
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  std::vector<int> places;  // position of this parameter in each model
+  std::vector<int> places;  // index of this parameter in each model
   for (const auto& m : posterior.space->models()) {
     const auto found = std::ranges::find(m.parameters, parameter);
     places.push_back(found == m.parameters.end() ? -1

@@ -23,7 +23,7 @@ struct DrawColumn {
   std::size_t slots = 1;
   std::string names = {};  ///< meanings of the whole numbers 0, 1, …, joined by ";"
 
-  /// Appends the numbers of a chain to a list, draw by draw.
+  /// Appends the values of a chain to a list, draw by draw.
   template <class Number>
   void append(const inference::Chain& chain, std::vector<Number>& to) const {
     to.reserve(to.size() + chain.size() * slots);

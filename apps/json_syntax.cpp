@@ -19,7 +19,7 @@ std::size_t last_before(std::string_view text, std::size_t at) {
   return at == 0 ? std::string_view::npos : text.find_last_not_of(kJsonBlank, at - 1);
 }
 
-/// The digits, signs and points next to position `at`.
+/// The digits, signs and decimal points next to position `at`.
 std::string_view number_around(std::string_view text, std::size_t at) {
   const auto of_number = [](char c) { return is_digit(c) || c == '.' || c == '-' || c == '+'; };
   std::size_t first = at, last = at;

@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 constexpr std::size_t kDeepestJson = 100;
 /// Largest size of a case file [bytes]. Data are in separate files.
 constexpr std::size_t kLargestCase = std::size_t{64} << 20U;
-/// Largest answer of an external program or server [bytes]: a million numbers.
+/// Largest response of an external program or server [bytes]: a million numbers.
 constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
 /// Largest number of keys per object in ordered JSON, where the search for a key is linear.
 constexpr std::size_t kMostOrderedKeys = 20'000;
@@ -24,7 +24,7 @@ constexpr std::size_t kMostOrderedKeys = 20'000;
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 
-/// Parses the answer of an external program. For invalid JSON, numbers that are too large, or
+/// Parses the response of an external program. For invalid JSON, numbers that are too large, or
 /// nesting deeper than kDeepestJson, the result satisfies is_discarded().
 [[nodiscard]] nlohmann::json parse_answer(std::string_view text);
 

@@ -53,7 +53,7 @@ struct SamplingOptions {
   int chains = 4;
   int warmup = 0;    ///< number per chain; 0: chosen by the engine
   int draws = 0;     ///< number per chain; 0: chosen by the engine
-  int searches = 0;  ///< local optimisations per model for the mode search; 0: chosen by the engine
+  int searches = 0;  ///< local searches for posterior modes per model; 0: automatic
   bool prior_only = false;
   bool quick = false;    ///< quick run: posterior modes and short chains, marked in the results
   std::string evidence;  ///< evidence methods joined by +: tmcmc, bridge, laplace; may be empty

@@ -58,7 +58,7 @@ std::string sentence(const remark::CrossingMembers& r) {
   for (const auto& pair : r.pairs) {
     text += text.empty() ? "" : "; ";
     text += "\"" + pair.first + "\" and \"" + pair.second + "\" " +
-            (pair.between ? "meet at (" : "end at the same place, at two nodes, at (") +
+            (pair.between ? "meet at (" : "end at the same location, at two nodes, at (") +
             significant(pair.at[0], 4) + ", " + significant(pair.at[1], 4) +
             (r.dimension == 3 ? ", " + significant(pair.at[2], 4) : std::string()) + ")";
   }

@@ -221,7 +221,8 @@ std::string emulator_warning(int damages, const std::vector<int>& blind) {
 std::string in_words(inference::Choice choice) {
   switch (choice) {
     case inference::Choice::restarted_tempered:
-      return "The chains disagreed, so Wheeltap restarted them with parallel tempering throughout.";
+      return "The chains disagreed, so Wheeltap restarted them with parallel tempering in warm-up "
+             "and sampling.";
     case inference::Choice::started_on_first_samples:
       return "The record is long, so the chains started near posterior modes found in its first "
              "samples, and Wheeltap tracked these modes as more samples were added.";
@@ -235,7 +236,7 @@ std::string in_words(inference::Choice choice) {
 
 std::string impossible_in_words(const std::string& model) {
   return "The likelihood of model '" + model +
-         "' is zero at every point drawn from its prior, so its probability is 0. If this model "
+         "' is zero for every draw from its prior, so its probability is 0. If this model "
          "should be possible, check its priors.";
 }
 

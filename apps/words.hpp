@@ -52,9 +52,9 @@ using base::grouped;
 /// its evidence puts it at P ≈ 0.21 ± 0.02". The text is empty for a model with enough draws.
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
-/// Text on the resolution of the mode search: "posterior modes reached from less than 0.3 % of the
-/// prior may have been missed", and the widths of posterior modes for which this is true. The text
-/// is empty without a search.
+/// Text on the resolution of the searches for posterior modes: "posterior modes reached from less
+/// than 0.3 % of the prior may have been missed", and the widths of posterior modes for which this
+/// is true. The text is empty without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
 /// Data for the text of a remark, in addition to the numbers in the remark.
@@ -68,7 +68,7 @@ struct Context {
 
 /// A sentence on a setting that the sampler chose.
 [[nodiscard]] std::string in_words(inference::Choice choice);
-/// A sentence on a model whose likelihood is zero at every point drawn from its prior.
+/// A sentence on a model whose likelihood is zero for every draw from its prior.
 [[nodiscard]] std::string impossible_in_words(const std::string& model);
 /// A sentence on the part of a record that a quick run used.
 [[nodiscard]] std::string in_words(const identification::Look& look);

@@ -100,7 +100,7 @@ std::string plain_digits(std::string text) {
   const std::size_t comma = text.rfind(','), point = text.rfind('.');
   if (comma == std::string::npos) return text;
   if (point == std::string::npos || comma > point) {
-    // A single comma is a decimal comma; several commas group thousands.
+    // A single comma is a decimal comma; several commas separate groups of thousands.
     if (std::ranges::count(text, ',') > 1) {
       std::erase(text, ',');
     } else {

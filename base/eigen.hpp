@@ -7,7 +7,7 @@
 // because the program could crash in free().
 //
 // EIGEN_NO_CPUID: by default, Eigen splits sums of products by cache sizes read from the processor.
-// Rounding errors, and therefore every draw of a chain, would depend on the machine. With
+// Rounding errors, and therefore every draw of a Markov chain, would depend on the machine. With
 // EIGEN_NO_CPUID, Eigen assumes the same cache sizes on every machine.
 #pragma once
 

@@ -1,12 +1,12 @@
 // Matrix products and solutions of triangular systems, compiled once.
 //
 // Eigen compiles a product C = A B anew for each combination of types of A, B and C: the product of
-// panels (Goto & van de Geijn 2008), the loop for small matrices, and the product for matrices that
-// turn out to be vectors. Each combination needs dozens of expression types, whose compilation took
-// half of the build time. This header makes Eigen pass products of real and complex matrices of any
-// type to the functions `multiply` and `multiply_vector`, which only eigen_products.cpp compiles.
-// These functions take addresses, sizes and strides. Their results are those of Eigen, because
-// eigen_products.cpp calls Eigen's products for matrices with the same storage order.
+// panels (Goto & van de Geijn 2008), a loop for small matrices, and a matrix-vector product. Each
+// combination needs dozens of expression types, whose compilation took half of the build time. This
+// header makes Eigen pass products of real and complex matrices of any type to the functions
+// `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. These functions take
+// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
+// Eigen's products for matrices with the same storage order.
 //
 // In a product of a real and a complex matrix, the real matrix is converted to complex first: an
 // infinite entry then gives NaN, and not an infinite result as in Eigen.
@@ -37,7 +37,7 @@ using Eigen::Index;
 using Complex = std::complex<double>;
 
 // A matrix in memory: entry (i, j) is data[i inner + j outer], or data[i outer + j inner] if the
-// matrix is stored by rows.
+// matrix is row-major.
 template <class Scalar>
 struct Dense {
   Scalar* data;
@@ -149,7 +149,7 @@ void pass_product(Result& result, const A& a, const B& b, Scalar scale, bool add
   });
 }
 
-// Computes the same product if B is a column vector, or if A is one row a: cᵀ = Bᵀ aᵀ.
+// Computes the same product if B is a column vector, or if A has only one row a: cᵀ = Bᵀ aᵀ.
 template <class Result, class A, class B, class Scalar>
 void pass_vector_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
   const Operand<A> left(a);

@@ -2,7 +2,7 @@
 //
 // Include this header instead of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>,
 // <Eigen/SVD> and <Eigen/Eigenvalues>; source files that include this header do not compile the
-// decompositions. Pass a matrix to a decomposition instead of an expression: a decomposition of an
+// decompositions. Pass a matrix, not an expression, to a decomposition: each decomposition of an
 // expression is a further template instance. Decompositions that only one or two files use (complex
 // matrices, JacobiSVD, EigenSolver) are compiled in those files.
 #pragma once

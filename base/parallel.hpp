@@ -34,7 +34,7 @@ void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
 }
 
 /// Calls job(0), …, job(n - 1), each once, on up to `threads` threads. If jobs fail, this function
-/// rethrows the exception of the failed job with the lowest number.
+/// rethrows the exception of the failed job with the lowest index.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job) {
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(n));
@@ -60,8 +60,8 @@ void parallel_for(int n, int threads, Job&& job) {
   }
 }
 
-/// Calls job(0), …, job(n - 1) for jobs whose results can be transferred between ranks. All ranks
-/// share the jobs, except if this call is inside another parallel_for.
+/// Calls job(0), …, job(n - 1) for jobs whose results can be transferred between ranks. The jobs
+/// are distributed over all ranks, except if this call is inside another parallel_for.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
   if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);
@@ -75,8 +75,8 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
 }
 
 /// Returns true if the run must stop. In a run with one process, the result is `wish`. In a run
-/// with several ranks, the result is the common decision of the ranks. Inside a shared job, the
-/// result is true if `wish` is true or if any rank has requested a stop.
+/// with several ranks, all ranks get the same result. Inside a shared job, the result is true if
+/// `wish` is true or if any rank has requested a stop.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;

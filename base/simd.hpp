@@ -1,10 +1,10 @@
 // Loops compiled once for each SIMD width and selected at run time.
-// Each of these loops has its own implementation file. The build compiles this file once for each
-// instruction set; each compilation produces a table of functions. The implementation files use
-// only plain pointers. Otherwise the linker might select a library template that is compiled for
-// wide registers, and use this template on all processors. `runnable` returns the tables that this
-// processor can run. All versions of a loop are compiled without fused multiply-add, so their
-// results are identical to the last bit. Tests run each version.
+// Each loop has its own implementation file. The build compiles this file once for each instruction
+// set; each compilation produces a table of functions. The implementation files use only plain
+// pointers, because the linker might select a library template that is compiled for wide registers,
+// and use this template on all processors. `runnable` returns the tables that this processor can
+// run. All versions of a loop are compiled without fused multiply-add, so their results are
+// identical to the last bit. The tests run each version of a loop.
 #pragma once
 
 #include <cstdlib>

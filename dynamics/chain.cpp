@@ -84,7 +84,7 @@ void validate(const Chain& chain) {
         fail(name + " has a law of kind " + std::to_string(law.kind) + ", must be in [0, " +
              std::to_string(LawList::kSize) + ")");
       if (!constants_feasible(law))
-        fail(name + ": impossible coefficients for its law " +
+        fail(name + ": infeasible coefficients for its law " +
              std::string(law_infos()[static_cast<std::size_t>(law.kind)].name));
     }
   }
@@ -123,7 +123,7 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
         return name + ": " + std::string(known.name) + " = " + shown(c[i]) + ", " + bound;
       }
       if (!is_feasible(law.kind, c.data()))
-        return name + ": its coefficients contradict each other";
+        return name + ": its coefficients are not feasible together";
       if (has_zero_creep_speed(law, c.data()))
         return name +
                ": velocity = 0 as a parameter's value, must be > 0 (omit velocity for exact "

@@ -19,8 +19,8 @@ struct LawTerm {
 struct LinkTerm {
   int a = 0, b = 0;
   int slot = 0;       ///< slot of the stiffness; the next slot holds the damping
-  int pace_slot = 0;  ///< slot of the rate of the force laws per unit of the link's speed [1/m],
-                      ///< see `paces`
+  int pace_slot = 0;  ///< slot of the pace [1/m]: rate of the force laws per unit of link speed
+                      ///< (`paces`)
   int law_begin = 0, law_end = 0;
   bool turning = false;  ///< true if the link has a force law with memory (not smooth at ė = 0)
 };
@@ -52,11 +52,11 @@ struct Task {
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
   bool serial = false;  ///< true if each link i joins masses i and i + 1 and no other links exist
-  int only_law = -1;    ///< the kind of all force laws, if all force laws have the same kind
+  int only_law = -1;    ///< the kind of all force laws, if it is the same; otherwise -1
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;
-  std::int64_t lead_in = 0;  ///< number of first samples of the response without residuals
+  std::int64_t lead_in = 0;  ///< number of initial response samples without residuals
   int substeps = 1;
   bool turning = false;  ///< true if LinkTerm::turning is true for some link
   bool paced = false;    ///< true if the rates of some force law grow with the link's speed

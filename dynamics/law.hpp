@@ -39,7 +39,7 @@ inline constexpr int kMaxLawCoefficients = 5;
 struct LawRole {
   enum class Kind {
     other,      ///< order of magnitude unknown
-    factor,     ///< factor c in a tension c eᵖ ėᵍ
+    factor,     ///< factor c in a tension c e^p ė^q
     extension,  ///< the coefficient is an extension of the link
   } kind = Kind::other;
   int p = 0, q = 0;  ///< powers p and q of Kind::factor

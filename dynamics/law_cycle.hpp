@@ -12,8 +12,8 @@ namespace wheeltap::dynamics {
 struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
-  int before = 2;           ///< number of preceding cycles, in which a force law with memory
-                            ///< reaches a steady cycle
+  int before = 2;           ///< number of preceding cycles, after which a force law with memory has
+                            ///< reached a steady cycle
   int points = 240;         ///< number of points of the returned cycle, both ends included
 };
 

@@ -61,9 +61,9 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `exact` or `piecewise` if the chain allows it. Selects `series` if a force law
-  /// switches, a link sticks and slips, or prefer_series is set. Otherwise, or if the number of
-  /// substeps is fixed, selects `runge_kutta`.
+  /// Selects `runge_kutta` if the number of substeps is fixed. If not, selects the first that
+  /// applies: `exact` or `piecewise`, if the chain allows it; `series`, if a force law switches, a
+  /// link sticks and slips, or prefer_series is set; `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.
@@ -95,12 +95,12 @@ struct SimulatorOptions {
   /// ω and γ are the upper bounds that stiffest_rates returns. For force laws whose rate grows with
   /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
   /// the rate and a time step is at most 1 and at most 5 step_limit. The number of these steps per
-  /// sample is at most kMaxPacedSubsteps. The simulation of a parameter vector that needs more
-  /// steps fails. For `series` and `piecewise`, this option is the number of series expansions per
-  /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// sample is at most kMaxPacedSubsteps. If a parameter vector needs more steps, its simulation
+  /// fails. For `series` and `piecewise`, this option is the number of series expansions per
+  /// sample; ω h and γ h are at most 0.7 and 3.5 step_limit.
   int substeps = 0;
   /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
-  /// time step of this length multiplies a frequency ω by the factor 1 - (ω h)⁴/120 and adds the
+  /// time step of this length multiplies a frequency ω by 1 - (ω h)⁴/120 and adds the numerical
   /// damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
   /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many

@@ -27,14 +27,14 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 [[nodiscard]] int count_thresholds(const Chain& chain);
 
 /// Returns the pairs of masses with exact friction between them, in the order of the links. In each
-/// pair, the smaller number is first.
+/// pair, the smaller index is first.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// Step limit for which the limit of γ h is 1, where γ is a damping rate. For a lower step limit,
-/// the limit of γ h is proportionally lower.
+/// Step limit (of ω h) for which the limit of γ h is 1, where γ is a damping rate. For a lower step
+/// limit, the limit of γ h is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Parameters of the time steps that are equal for all parameter vectors of a group.
+/// Time-step parameters, which are equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;

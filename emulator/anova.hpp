@@ -1,4 +1,4 @@
-// ANOVA emulator: prediction of responses for many components from tables for one and two
+// ANOVA emulator: predicts responses for many components from tables for one and for two
 // components. The number of model runs for the tables does not depend on the number of components.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace wheeltap::emulator {
 
-/// The additive quantity: a function of a response f whose changes by several components are
-/// summed.
+/// The additive quantity: a function of a response f whose changes due to several components add
+/// up.
 enum class Additive {
   response,   ///< f itself
   logarithm,  ///< ln f, f > 0

@@ -56,11 +56,11 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
     throw std::invalid_argument("Delaunay interpolation: " + why);
   };
   if (d > kMostFactors)
-    refuse(std::to_string(d) + " factors; at most " + std::to_string(kMostFactors));
+    refuse(std::to_string(d) + " factors, must be at most " + std::to_string(kMostFactors));
   if (points.cols() != static_cast<Index>(d) || values_.rows() != points.rows() ||
       values_.cols() < 1)
-    refuse("points " + std::to_string(points.rows()) + " x " + std::to_string(points.cols()) +
-           " and values " + std::to_string(values_.rows()) + " x " +
+    refuse("sizes do not match: points " + std::to_string(points.rows()) + " x " +
+           std::to_string(points.cols()) + " and values " + std::to_string(values_.rows()) + " x " +
            std::to_string(values_.cols()) + " in " + std::to_string(d) + " factors");
   if (runs < d + 1)
     refuse(std::to_string(runs) + " runs in " + std::to_string(d) + " factors; at least " +

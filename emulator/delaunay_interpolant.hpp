@@ -1,4 +1,4 @@
-// Linear interpolation between scattered runs. This code is built if CGAL is available (CMake
+// Linear interpolation of runs at scattered points. This code is built if CGAL is available (CMake
 // option WHEELTAP_WITH_CGAL). CGAL's triangulations in any dimension have the licence GPL-3 or
 // later, so a program that links wheeltap::emulator_delaunay must be distributed under this
 // licence.
@@ -26,7 +26,7 @@ class DelaunayInterpolant final : public Interpolant {
   static constexpr std::size_t kMostFactors = 5;
 
   /// `points` has the size runs × factors, and `values` runs × responses. Throws
-  /// std::invalid_argument for invalid factors or more than kMostFactors, sizes that disagree,
+  /// std::invalid_argument for invalid factors or more than kMostFactors, inconsistent sizes,
   /// points outside the factors' ranges, duplicate points and values that are not finite. Also
   /// throws std::invalid_argument for fewer than d + 1 points, and for points that all lie in a
   /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors:

@@ -226,7 +226,7 @@ Design with_corners(Design design) {
   check_factors(ends);
   if (ends.size() > 20)
     throw std::invalid_argument("the corners of a box of " + std::to_string(ends.size()) +
-                                " factors; at most 20");
+                                " factors: at most 20 factors are supported");
   for (Factor& factor : ends) factor.levels = {factor.low(), factor.high()};
   std::set<std::vector<double>> there;
   for (const auto& row : design.points.rowwise()) there.emplace(row.begin(), row.end());

@@ -19,13 +19,13 @@ using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
   int threads = 1;  ///< >= 1
-  /// Journal: a file of finished runs (empty: no journal). If the file exists, its runs are reused.
-  /// The file remains after the last run; the caller removes the file after storing the result.
+  /// Journal: a file of finished model runs (empty: no journal). Runs in an existing file are
+  /// reused. After the last run, the file remains; the caller removes it after storing the result.
   std::filesystem::path journal = {};
   /// Text that, with the design, identifies the experiment in the journal, for example the case.
   std::string identity = {};
   /// Callback, called after each run with the number of finished runs and the number of all runs.
-  /// Calls do not overlap. Runs of other ranks are counted after each twentieth of the design.
+  /// Calls are serialised. Runs of other ranks are counted after every 5 % of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 
@@ -50,9 +50,9 @@ class RunError : public std::runtime_error {
                                        const ExperimentOptions& options = {});
 
 /// Returns a part of a design, to divide the work between machines. The part contains every run
-/// whose number i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, …
-/// (all numbers count from 0). Throws std::invalid_argument unless 0 <= part < parts and the part
-/// has a run.
+/// whose index i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, … (all
+/// indices start at 0). Throws std::invalid_argument unless 0 <= part < parts and the part has a
+/// run.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

@@ -165,10 +165,10 @@ struct GaussianProcess::Impl {
                                   " runs, must be at least 2");
     if (points.rows() != y.rows() || y.cols() < 1 ||
         points.cols() != static_cast<Index>(factors.size()))
-      throw std::invalid_argument("Gaussian process: points " + std::to_string(points.rows()) +
-                                  " x " + std::to_string(points.cols()) + " and values " +
-                                  std::to_string(y.rows()) + " x " + std::to_string(y.cols()) +
-                                  " in " + std::to_string(factors.size()) + " factors");
+      throw std::invalid_argument(
+          "Gaussian process: sizes do not match: points " + std::to_string(points.rows()) + " x " +
+          std::to_string(points.cols()) + " and values " + std::to_string(y.rows()) + " x " +
+          std::to_string(y.cols()) + " in " + std::to_string(factors.size()) + " factors");
     if (!y.allFinite())
       throw std::invalid_argument("Gaussian process: a value of the runs is not finite");
     for (const Factor& factor : factors) {

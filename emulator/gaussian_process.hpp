@@ -1,4 +1,4 @@
-// Kriging: Gaussian-process interpolation of scattered runs, with the variance of the prediction.
+// Kriging: Gaussian-process interpolation of runs at scattered points, with prediction variances.
 #pragma once
 
 #include <memory>
@@ -43,8 +43,8 @@ struct LogLikelihood {
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
   /// If true, all responses have the same correlation lengths; an evaluation then takes as long as
-  /// that of one response. If false, each response has its own correlation lengths. Predictions are
-  /// then more accurate if responses oscillate with different wavelengths.
+  /// that of one response. If false, each response has its own correlation lengths. Separate
+  /// lengths give more accurate predictions if responses oscillate with different wavelengths.
   bool shared_lengths = false;
   /// If true, the nugget is fitted too, for runs with noise. If false, the nugget is the smallest
   /// value that keeps R positive definite, and the process interpolates the runs.
@@ -73,9 +73,9 @@ class GaussianProcess final : public Interpolant {
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 
-  /// Uses `parameters()` of an earlier fit to the same runs, without fitting. Throws
-  /// std::invalid_argument for invalid runs like the other constructor, and if `parameters` does
-  /// not have 1 or `responses` rows of d + 1 positive numbers.
+  /// Uses the `parameters()` of an earlier fit to the same runs, instead of a new fit. Throws the
+  /// exceptions of the other constructor, and std::invalid_argument if `parameters` does not have 1
+  /// or `responses` rows of d + 1 positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   Kernel kernel, const RowMatrix& parameters);
   ~GaussianProcess() override;

@@ -18,7 +18,7 @@ struct RefinementOptions {
   /// entry admits any value of the factor. An empty list admits any value of every factor.
   std::vector<std::vector<double>> candidates = {};
   Eigen::Index most_runs = 100'000;  ///< largest number of runs of the grid
-  int probes = 24;  ///< number of test points per interval, at random levels of the other factors
+  int probes = 24;  ///< number of probes per interval, at random levels of the other factors
   /// Number of random points at which the final grid must satisfy the tolerance.
   Eigen::Index check_runs = 200;
   std::uint64_t seed = 1;  ///< seed for probes and checks
@@ -37,11 +37,11 @@ struct RefinedGrid {
 /// levels at its middle (in the factor's scale, or at the nearest candidate), with the other
 /// factors at random levels. The middle becomes a level if the error of the interpolant exceeds 1/d
 /// of the tolerance, because, to first order, the errors of the d factors add up. If no interval
-/// fails, the errors at random points of the box are checked. As long as this check fails, the
+/// fails, the errors at random points of the box are checked. After each failure of this check, the
 /// fraction 1/d is halved and the refinement continues. The model is run only once per point. The
 /// refinement ends with `reached` = false if the grid would exceed `most_runs` or no candidates
 /// remain. Throws the exceptions of `run_experiment` and of the training of the interpolant, and
-/// std::invalid_argument for options whose sizes do not agree, a tolerance or count that is not
+/// std::invalid_argument for options of inconsistent sizes, a tolerance or count that is not
 /// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,

@@ -16,9 +16,9 @@ struct HoldoutError {
   /// Returns rmse / spread: 0 for an exact emulator, 1 for a prediction by the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
   /// True if Q² < 0.9, that is rmse/spread > 0.32. The RMS error is then about a third of the
-  /// standard deviation of the response, or more. If the responses at two points differ by one
-  /// standard deviation, this difference is then only two to three standard errors of the emulator.
-  /// Sensitivity studies also require metamodels with Q² ≥ 0.9.
+  /// standard deviation of the response, or more. A difference of one standard deviation between
+  /// two responses is then only two to three standard errors of the emulator. Sensitivity studies
+  /// also require emulators with Q² ≥ 0.9.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
@@ -36,13 +36,13 @@ struct StandardisedResiduals {
   double mean;        ///< mean of z; 0 for an unbiased predictor
   double rms;         ///< root mean square of z; 1 for calibrated variances, above 1 for variances
                       ///< that are too small
-  double beyond_two;  ///< share of runs with |z| > 2; 0.046 for a normal error
+  double beyond_two;  ///< fraction of runs with |z| > 2; 0.046 for a normal error
 };
 
 /// Computes the statistics of each response from matrices of runs × responses, for held-out runs or
 /// leave-one-out predictions. Runs with variance 0 and an exact prediction are omitted. If a run
-/// has variance 0 and an error, rms is infinite. Throws std::invalid_argument for matrices of
-/// different sizes or without runs.
+/// has variance 0 and a nonzero error, rms is infinite. Throws std::invalid_argument for matrices
+/// of different sizes or without runs.
 [[nodiscard]] std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
                                                                         const RowMatrix& mean,
                                                                         const RowMatrix& variance);

@@ -1,5 +1,5 @@
 // Interpolants of the runs of a table, and the description of each interpolant type: its name in a
-// case file, the accepted runs and the training function.
+// case file, the layout of runs that it accepts, and its training function.
 #pragma once
 
 #include <cstddef>
@@ -65,7 +65,7 @@ struct InterpolantType {
 
   std::string_view name;   ///< value of "interpolation" in a case and in a table file
   std::string_view words;  ///< display name, e.g. "Gaussian process"
-  Runs runs = Runs::grid;  ///< accepted runs; types for scattered runs also accept a grid
+  Runs runs = Runs::grid;  ///< accepted layout; types for scattered points also accept a grid
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
   /// True if the domain is the convex hull of the runs instead of the whole box of the factors. For
   /// these types, the corners of the box are added to designs.

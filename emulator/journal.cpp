@@ -30,7 +30,7 @@ T get(std::string_view bytes, std::size_t at) {
 io::FileLock held_alone(const fs::path& path) {
   constexpr std::chrono::seconds kToEnd{2};
   if (std::optional<io::FileLock> lock = io::FileLock::take(path, kToEnd)) return std::move(*lock);
-  throw io::FileError(Kind::unwritable, path, "is being written by another run");
+  throw io::FileError(Kind::unwritable, path, "is in use by another run");
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace wheeltap::emulator {
 
 /// A journal file. The file contains one line of text that identifies the experiment, then one
-/// record per finished run: run number, responses and checksum. If a process is killed while
+/// record per finished run: index of the run, responses and checksum. If a process is killed while
 /// writing, the last record is incomplete and its checksum is wrong; the next process that opens
 /// the journal removes this record. The class is not thread-safe.
 class Journal {

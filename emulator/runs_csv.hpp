@@ -14,8 +14,8 @@
 
 namespace wheeltap::emulator {
 
-/// The responses of a model in a file of runs. Their columns have one name followed by the number
-/// of the response: "f1", "f2", … or "frequency[1]", "frequency[2]", ….
+/// The response columns of a CSV file of model runs. A column name is one name for all responses,
+/// followed by the number of the response: "f1", "f2", … or "frequency[1]", "frequency[2]", ….
 struct ResponseColumns {
   std::string name;  ///< name of the responses in the table
   /// Factor by which the numbers of a column are multiplied; empty for a unit that cannot be
@@ -28,18 +28,18 @@ struct ResponseColumns {
 /// Reads runs of a model from delimited text (io/tables/delimited_text.hpp). The first line
 /// contains the names of the columns, with or without units in brackets ("location [m],reduction,f1
 /// [Hz],f2 [Hz]"); every further line is a run. Empty lines are ignored. `factors` names the input
-/// columns; the factors of the table have the order of this list. All other columns are responses;
-/// the numbers in their names give their order in the table. A factor without levels gets the range
-/// of its column. For a factor with levels, every value must lie in the range of the levels. If a
+/// columns and gives the order of the factors in the table. All other columns are responses; the
+/// numbers in their names give their order in the table. A factor without levels gets the range of
+/// its column. For a factor with levels, every value must lie in the range of the levels. If a
 /// factor and its column both have a unit, the units must agree. The result is a table of scattered
 /// runs. `name` is the file's name in messages.
 ///
 /// Throws FileError (corrupt), with line and column, for a cell that is not a finite number, a row
 /// with too few cells, a duplicate name and an unknown factor. Also throws FileError (corrupt) for
-/// a response without a number, with another name than the other responses, or with a unit that
-/// cannot be converted, and for response numbers other than 1, 2, …, n. Also throws FileError
-/// (corrupt) for a value outside the range of its factor, a duplicate point, or a file without
-/// runs.
+/// a response without a number, with a name that differs from that of other responses, or with a
+/// unit that cannot be converted, and for response numbers other than 1, 2, …, n. Also throws
+/// FileError (corrupt) for a value outside the range of its factor, a duplicate point, or a file
+/// without runs.
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const ResponseColumns& responses);
 
@@ -48,7 +48,7 @@ struct ResponseColumns {
                                   const ResponseColumns& responses);
 
 /// Converts scattered runs to a grid if their points are all combinations of the factors' values,
-/// and each combination occurs once. Otherwise returns std::nullopt.
+/// and each combination occurs once. For any other points, returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

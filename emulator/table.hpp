@@ -30,7 +30,7 @@ struct Table {
   [[nodiscard]] Eigen::Index missing_runs() const;
 };
 
-/// Checks a table. Throws std::invalid_argument, naming the table, if the parts of the table are
+/// Checks a table. Throws std::invalid_argument, naming the table, if the sizes of its members are
 /// inconsistent, or if the table uses a name that the file format reserves.
 void check_table(const std::string& name, const Table& table);
 
@@ -43,8 +43,8 @@ struct TableFile {
   std::map<std::string, Table> tables;
 };
 
-/// Merges the shards of a design that several machines have computed. The result contains every run
-/// that any shard contains. Hold-out errors, parameters and attributes of tables are kept only if
+/// Merges the parts (shards) of a design that several machines have computed. The result contains
+/// the runs of all shards. Hold-out errors, parameters and attributes of tables are kept only if
 /// they are equal in all shards. Scattered runs are concatenated without duplicates. Throws
 /// std::invalid_argument for an empty list of shards. Throws std::invalid_argument if the
 /// attributes "case" or "fingerprint", the tables, the factors or the responses of the shards

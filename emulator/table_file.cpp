@@ -193,7 +193,7 @@ struct Reader {
       held *= length;
     }
     if (type != NC_DOUBLE || held != size)
-      fail(std::string("variable ") + name + " has another type or size than its dimensions say");
+      fail(std::string("variable ") + name + " is not double, or its dimensions do not match");
     check(nc_get_var_double(group, variable, values), std::string("variable ") + name);
   }
 
@@ -261,7 +261,7 @@ struct Reader {
       doubles(group, id, f.levels.size(), f.levels.data());
       t.factors.push_back(std::move(f));
     }
-    if (scattered && axes.size() != 2) fail("scattered runs on a grid");
+    if (scattered && axes.size() != 2) fail("a table of scattered runs has grid dimensions");
     if (scattered) t.points.resize(static_cast<Eigen::Index>(runs), 0);
     const std::size_t responses = length(group, axes.back());
     t.values.resize(static_cast<Eigen::Index>(runs), static_cast<Eigen::Index>(responses));
@@ -349,13 +349,13 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
     }
   }
   if (checksum(file) != in.text(id, NC_GLOBAL, kChecksumAttribute))
-    in.fail("damaged table file: its checksum does not fit its content");
+    in.fail("damaged table file: its checksum does not match its content");
   for (const auto& [name, table] : file.tables)
     if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
       throw io::FileError(
           Kind::incomplete, path,
           std::to_string(missing) + " of the " + std::to_string(table.values.rows()) + " runs of " +
-              name + " are not done: continue these runs with --resume, or merge the other parts");
+              name + " are missing: continue these runs with --resume, or merge the other parts");
   return file;
 }
 

@@ -22,11 +22,11 @@ struct Found {
 };
 
 /// The intact modes, and the quantities of the defects from which bounds of the roots follow. The
-/// arrays belong to the caller.
+/// caller owns the arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j
-  std::size_t stride;         ///< distance between columns: number of modes, at least two
+  std::size_t stride;         ///< distance between columns: the larger of 2 and the number of modes
   int modes;
   const Window* window;
   int added_poles = 0;           ///< number of floating masses, the first `eigenvalues`
@@ -43,14 +43,14 @@ struct SecularProblem {
 };
 
 /// Finds eight roots at a time, each in a SIMD lane of `SecularKernel`. The inertia of S brackets a
-/// root. From a first-order start, Rayleigh quotients converge to it quadratically.
+/// root. From a first-order estimate, Rayleigh quotients converge quadratically to the root.
 ///
-/// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate
-/// of the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each
-/// root has an interval that contains at least one eigenvalue. Suppose that b of these
-/// intervals are disjoint and lie below a value λ, and that the inertia counts b eigenvalues
-/// below λ. Then each of them contains exactly one eigenvalue, and the gap is its distance to
-/// the others. Thus
+/// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
+/// the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each root has
+/// an interval that contains at least one eigenvalue. Suppose that b of these intervals are
+/// disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then each
+/// interval contains exactly one eigenvalue, and the gap is the distance of this eigenvalue to the
+/// others. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)

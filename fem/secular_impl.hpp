@@ -296,8 +296,8 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
 }
 
 /// Computes both values δ of H v = δ N v with the Cholesky factor of N. The value with the smaller
-/// magnitude is determinant / other value. It therefore keeps its relative accuracy as it converges
-/// to zero.
+/// magnitude is determinant / other value. This value therefore keeps its relative accuracy as it
+/// converges to zero.
 inline void both_roots(const Small& k, Vec& low, Vec& high) {
   const Vec zero{};
   const Vec r = k.n12 / k.n11;

@@ -48,8 +48,8 @@ struct Options {
   bool tempered_draws = false;
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed share of the run's likelihood evaluations. If the basin of a
-  /// posterior mode has the prior probability p, all n local optimisations miss the mode with
+  /// chooses the number, for a fixed fraction of the run's likelihood evaluations. If the basin of
+  /// a posterior mode has the prior probability p, all n local optimisations miss the mode with
   /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
@@ -57,10 +57,10 @@ struct Options {
   /// (Posterior::log_weight). Small probabilities then also have small relative errors.
   bool balance = false;
 
-  /// False: do not compute the evidences of models and the shares of posterior modes (they stay
-  /// NaN), for a caller that uses the draws alone. The exploration then has at most three rounds of
-  /// importance sampling per model, and two local optimisations from the draws of the tempering;
-  /// this suffices for starting points and proposals.
+  /// False: do not compute the evidences of models and the probability masses of posterior modes
+  /// (NaN), for a caller that needs only draws. The exploration then has at most three rounds of
+  /// importance sampling per model, and two local optimisations from draws of the parallel
+  /// tempering. This suffices for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in
@@ -69,7 +69,7 @@ struct Options {
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …
-    double fraction;    ///< completed share of the stage
+    double fraction;    ///< completed fraction of the stage
     long likelihood_evaluations;
     /// Planned likelihood evaluations of the later stages.
     double evaluations_to_come;
@@ -95,12 +95,12 @@ struct Options {
     /// those of the saved run.
     std::shared_ptr<const Checkpoint> from = nullptr;
 
-    // Saving many draws repeatedly takes time and memory. With the following callbacks, blocks of
-    // `part` draws of a chain are saved once, separately, and the checkpoints passed to `save` omit
-    // these draws. Keep a part until a checkpoint with a later first part has been saved
-    // (inference::parts_of).
-    /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
-    /// again later.
+    // Saving many draws repeatedly takes time and memory. The following callbacks save parts of a
+    // chain's draws (`part` draws each) once and separately; the checkpoints passed to `save` omit
+    // these draws. Keep a saved part until `save` has received a checkpoint that begins with a
+    // later part (inference::parts_of).
+    /// Saves the part of the draws with index `number`. Returns false if saving failed and the
+    /// engine should try again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
     /// Loads a saved part of the draws, for a run resumed with `from`
     std::function<Checkpoint(long number)> saved_draws = nullptr;

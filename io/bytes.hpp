@@ -1,4 +1,4 @@
-// Reading the bytes of files. Wheeltap uses these functions wherever it reads a whole user file.
+// Reading the bytes of files. Wheeltap uses these functions to read any whole file of a user.
 #pragma once
 
 #include <cstddef>

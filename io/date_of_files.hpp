@@ -5,8 +5,8 @@
 
 namespace wheeltap::io {
 
-/// Returns the current time, or SOURCE_DATE_EPOCH [s since 1970] if this environment variable is
-/// set (for reproducible files). Throws std::invalid_argument if SOURCE_DATE_EPOCH is not a whole
+/// Returns the current time or, for reproducible files, SOURCE_DATE_EPOCH [s since 1970] if this
+/// environment variable is set. Throws std::invalid_argument if SOURCE_DATE_EPOCH is not a whole
 /// number of seconds before the year 10000.
 [[nodiscard]] std::time_t date_of_files();
 

@@ -8,7 +8,7 @@
 
 namespace wheeltap::io {
 
-/// 64-bit FNV-1a hash of the bytes. The hash distinguishes cases; it is not secure against forgery.
+/// 64-bit FNV-1a hash of the bytes. The hash identifies cases; it is not secure against forgery.
 [[nodiscard]] constexpr std::uint64_t fnv1a(std::string_view bytes,
                                             std::uint64_t hash = 0xcbf29ce484222325) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;

@@ -15,10 +15,10 @@ namespace wheeltap::io {
 /// causes a library to crash or to loop for ever, only the child process is affected. Text that the
 /// child prints is lost. A FileError of `read` is rethrown here, other exceptions as
 /// std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a limit. The
-/// limit of processor time is `seconds`; if it is 0, `most_seconds` gives the limit for the file's
-/// size. The memory limit of the child is the present memory of this process plus `most_bytes`.
-/// Throws std::bad_alloc if the system allows this process less memory than this limit, or if the
-/// system killed the child. The child ignores the signals that request a stop.
+/// limit of processor time is `seconds`; if `seconds` is 0, the limit is `most_seconds` of the
+/// file's size. The memory limit of the child is the present memory of this process plus
+/// `most_bytes`. Throws std::bad_alloc if the system allows this process less memory than this
+/// limit, or if the system killed the child. The child ignores the signals that request a stop.
 ///
 /// The child contains only the calling thread, so the caller must hold any lock that `read` needs.
 /// If the system cannot start a child process, this function calls `read` in this process.

@@ -28,9 +28,9 @@ void make_error(py::module_& module, const char* name, PyObject* base, const cha
 }  // namespace
 
 void bind_errors(py::module_& module) {
-  make_error(
-      module, "CaseError", PyExc_ValueError,
-      "A case or its data are invalid; the message has file, place, value and allowed values.");
+  make_error(module, "CaseError", PyExc_ValueError,
+             "A case or its data are invalid; the message states the file, the location, the value "
+             "and the allowed values.");
   make_error(module, "FileError", PyExc_OSError,
              "A file is missing, cannot be read or cannot be written.");
   py::register_exception_translator([](std::exception_ptr thrown) {

@@ -21,7 +21,7 @@ namespace py = pybind11;
 /// Progress of a job.
 struct Progress {
   std::string stage;
-  double fraction = 0.0;                   ///< completed share of the stage
+  double fraction = 0.0;                   ///< completed fraction of the stage
   long evaluations = 0;                    ///< likelihood evaluations so far
   std::vector<double> probabilities = {};  ///< model probabilities so far; empty before sampling
 };
@@ -49,7 +49,7 @@ class Job {
 };
 
 /// Calls work(job) on a thread without the GIL and waits for its end. Meanwhile this thread runs
-/// Python's signal handlers and calls `progress`, unless it is None, with each Progress. If
+/// Python's signal handlers and calls `progress` (if it is not None) with each Progress. If
 /// `progress` returns False, the job stops. An exception in a handler or in `progress` also stops
 /// the job and is rethrown after its end, instead of the job's exception. Requires the GIL.
 void watched(const py::object& progress, const std::function<void(Job&)>& work);

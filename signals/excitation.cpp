@@ -124,7 +124,7 @@ std::vector<double> multisine(int samples, double sample_rate_hz, const Multisin
     ++count;
   }
   if (count == 0)
-    throw std::invalid_argument("no line of a multisine with a period of " +
+    throw std::invalid_argument("no spectral line of a multisine with a period of " +
                                 std::to_string(options.period) + " samples lies in its band");
   for (Complex& line : lines) line *= options.rms * std::sqrt(2.0 / count);
   const std::vector<double> one = synthesise(std::move(lines));

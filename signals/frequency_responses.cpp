@@ -55,7 +55,7 @@ FrequencyResponses estimate_frequency_responses(const Eigen::Ref<const MatrixXd>
   const Index segments = inputs.cols() < length ? 0 : (inputs.cols() - length) / hop + 1;
   if (segments < 2 * n_in)
     refuse("samples", static_cast<double>(inputs.cols()),
-           "must give 2 segments of " + std::to_string(segment) + " for each input");
+           "must fill 2 segments of " + std::to_string(segment) + " samples for each input");
   VectorXd hann(length);
   for (Index i = 0; i < length; ++i)
     hann[i] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) /

@@ -68,7 +68,7 @@ struct MeasuredReading {
   io::TextLayout layout = {};                 ///< layout of delimited text and Excel workbooks
   io::ArrayLayout arrays = {};                ///< layout of the arrays of MATLAB, NumPy, NetCDF and
                                               ///< HDF5 files
-  bool resample = false;                      ///< interpolate records with uneven time steps at a
+  bool resample = false;                      ///< interpolate records with uneven time steps to a
                                               ///< constant rate
   bool check = true;                          ///< call check_channels
 };

@@ -195,7 +195,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   const Column& column = values_of(record, time_column);
   const std::vector<double>& t = column.values;
   const io::Place whole{.column = time_column + 1, .header = column.header};
-  if (t.size() < 2) fail(record, whole, "one sample has no sampling rate");
+  if (t.size() < 2) fail(record, whole, "a single sample has no sampling rate");
   for (std::size_t n = 0; n < t.size(); ++n)
     if (!std::isfinite(t[n]))
       fail(record, record.place(n, time_column), "time is not a finite number");
@@ -254,7 +254,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
                               : steps / (all * seconds);
       fail(record, whole,
            "several consecutive rows have the same time" +
-               (stated ? ", and their number does not fit " + show(*stated) + " Hz"
+               (stated ? ", and their number contradicts the stated " + show(*stated) + " Hz"
                        : ": state \"sample_rate\" (about " + show(rate) + ")") +
                (rises ? "" : "; time also goes backwards"));
     }
@@ -268,7 +268,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
                              " " + unit + ", must advance by the same step everywhere (" +
                              show(median) + " " + unit + " elsewhere)";
     const double step = t[worst] - t[worst - 1];
-    std::string remedy = "state \"resample\": true to interpolate at an even rate";
+    std::string remedy = "state \"resample\": true to interpolate at a constant rate";
     if (step == 0.0) remedy = "delete the repeated row";
     if (step < 0.0) remedy = "cut the file there if another run begins, or delete the row";
     if (step > kLongestGap * median)

@@ -21,7 +21,7 @@ struct Record : io::Columns {
   [[nodiscard]] int find_time() const;
 };
 
-/// Options for reading a file: columns and layout.
+/// Options for reading a file: columns to read, and layout.
 struct RecordReading {
   std::vector<std::string> columns = {};  ///< headers, names or numbers of columns
                                           ///< (io::Columns::find); empty: all
@@ -63,14 +63,14 @@ struct Sampling {
   bool doubtful_unit = false;
   int line = 0;  ///< number of the line that gives the rate, for Basis::header
   double off_grid =
-      0.0;  ///< largest distance of a time stamp from an even grid, in time steps; 0 without jitter
+      0.0;  ///< largest distance of a time stamp from a uniform grid [time steps]; 0 without jitter
 };
 
 /// Determines the sampling interval from a time column. `scale` [s] gives the duration of one unit
-/// of the column. Without `scale`, the unit comes from the column's header or name, otherwise from
-/// the values (see Sampling::Basis); the default is seconds. Every time step must equal the mean
-/// time step within 1 % plus the rounding of the printed times. Throws io::FileError (corrupt),
-/// with the line number, for NaN, decreasing times, gaps and uneven steps. Also throws
+/// of the column. Without `scale`, the unit comes from the column's header or name or, if these
+/// give none, from the values (see Sampling::Basis); the default is seconds. Every time step must
+/// equal the mean time step within 1 % plus the rounding of the printed times. Throws io::FileError
+/// (corrupt), with the line number, for NaN, decreasing times, gaps and uneven steps. Also throws
 /// io::FileError for an unknown time unit, and if `stated` differs from the rate of the time column
 /// by more than 0.1 %.
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
@@ -82,7 +82,7 @@ struct Sampling {
 /// different rates.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
-/// Resamples, at an even rate, all columns that were read, by natural cubic splines through the
+/// Resamples all columns that were read to a constant rate, with natural cubic splines through the
 /// samples. The new rate is `rate_hz`, or the mean rate if `rate_hz` is not set. Throws
 /// io::FileError (corrupt), with the line number, if time does not increase, a time step exceeds
 /// five median time steps, or a value is not finite.

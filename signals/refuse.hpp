@@ -16,7 +16,7 @@ namespace wheeltap::signals {
                               bound);
 }
 
-/// The error for a channel that a computation cannot use: "channel = 3: does not move". Channel
+/// The error for a channel that a computation cannot use: "channel = 3: is constant". Channel
 /// numbers start at 0.
 struct ChannelError : std::invalid_argument {
   ChannelError(long number, std::string why, std::optional<long> copied = {})

@@ -61,7 +61,7 @@ struct SpectrumComparison {
                                                 double sample_rate_hz, WelchOptions options = {});
 
 /// Linear interpolation between the samples decreases the RMS value of a signal. Returns the
-/// relative decrease 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with sums over the spectrum S of the signal.
+/// relative decrease 1 - √(Σ S sinc⁴(f / f_s) / Σ S), summed over the spectrum S of the signal.
 /// Linear interpolation multiplies the amplitude of a component of frequency f by sinc²(f / f_s).
 [[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
 

@@ -55,11 +55,11 @@ struct Conversion {
 };
 
 /// Returns the conversion of numbers with this unit to SI. If `wanted` is set, only units of this
-/// dimension are converted; otherwise units of any dimension.
+/// dimension are converted. Without `wanted`, units of any dimension are converted.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// Returns the unit of a column: the unit in brackets or in the line of units. Without such a unit,
-/// the result is a known unit at the end of the column's name. The unit follows " / ", ", ", " in
+/// Returns the unit of a column: the unit in brackets or in the line of units. For other columns,
+/// the result is a known unit at the end of the column's name. This unit follows " / ", ", ", " in
 /// ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), is in {} or <>, or is a quotient as the
 /// last word ("a m/s^2"). The result is empty if the column has no unit.
 [[nodiscard]] std::string unit_of(const io::Column& column);
@@ -69,9 +69,9 @@ struct Conversion {
 /// is empty if the name contains no possible unit.
 [[nodiscard]] std::string possible_unit_of(const io::Column& column);
 
-/// Returns the unit of a time column by the rules of `unit_of`, otherwise a time unit at the end of
-/// the column's name: "Time_ms", "t.us", "timeMillis", "timems", "Time since start in ms". The
-/// result is empty if the column has no unit.
+/// Returns the unit of a time column by the rules of `unit_of` or, if they give none, a time unit
+/// at the end of the column's name: "Time_ms", "t.us", "timeMillis", "timems", "Time since start in
+/// ms". The result is empty if the column has no unit.
 [[nodiscard]] std::string time_unit_of(const io::Column& column);
 
 }  // namespace wheeltap::signals

@@ -42,14 +42,14 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLargestBody = std::size_t{8} << 20U, kLongestTarget = 4096;
 constexpr std::size_t kLargestResult = std::size_t{256} << 20U;
 constexpr std::size_t kConnections = 64;
-constexpr int kAtWork = 4;  // largest number of requests at work at a time
+constexpr int kAtWork = 4;  // largest number of requests handled simultaneously
 constexpr const char* kJson = "application/json";
 
 // The page runs only scripts from its own files, and shows all content as text.
 constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-// A report is a file of the user: its scripts may neither read the application nor open
+// A report is a file of the user: its scripts may neither read data of the application nor open
 // connections. "allow-modals" permits the dialog for printing.
 constexpr const char* kReportPolicy =
     "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src "
@@ -143,7 +143,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// Checks common to all resources. If a check fails, fills in the answer and returns false.
+  /// Checks common to all resources. If a check fails, fills in the response and returns false.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -155,7 +155,8 @@ class Application {
       if (request.method != "GET" && request.method != "POST")
         throw Refused{405, "only the methods GET and POST are allowed"};
       if (request.target.size() > kLongestTarget) throw Refused{414, "the URL is too long"};
-      // Reject other host names of this address: a page of another site could use them.
+      // Reject other host names that resolve to this address: a page of another site could use
+      // them.
       if (!is_own_host(request.get_header_value("Host")))
         throw Refused{403, "the host must be 127.0.0.1 or localhost"};
       const std::string origin = request.get_header_value("Origin");
@@ -163,7 +164,7 @@ class Application {
           !(origin.starts_with("http://") && is_own_host(origin.substr(7))))
         throw Refused{403, "the request comes from another origin"};
       const std::string site = request.get_header_value("Sec-Fetch-Site");
-      // Reports are exempt, because a report that is loaded again has no origin.
+      // Reports are exempt, because the request that reloads a report has no origin.
       if (!site.empty() && site != "same-origin" && site != "none" && !is_report(request.path))
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
@@ -189,7 +190,8 @@ class Application {
     return begins_with(path, token_) || is_report(path);
   }
 
-  /// Runs `work` if fewer than kAtWork requests are at work; converts its exceptions to answers.
+  /// Runs `work` if fewer than kAtWork requests are being handled; converts its exceptions to
+  /// responses.
   template <class Work>
   void bounded(Response& response, const Work& work) {
     struct Leave {
@@ -217,8 +219,8 @@ class Application {
 
   [[nodiscard]] fs::path place(const std::string& name) const {
     if (auto path = folder_.place(name)) return *path;
-    throw Refused{403,
-                  io::printable(name) + ": names no file inside the folder of the application"};
+    throw Refused{
+        403, io::printable(name) + ": does not name a file inside the folder of the application"};
   }
 
   // ------------------------------------------------------------------ GET
@@ -267,7 +269,7 @@ class Application {
     return out;
   }
 
-  /// A positive number; empty without this parameter.
+  /// A positive number; empty if the request lacks this parameter.
   static std::optional<double> positive(const Request& request, const char* name) {
     if (!request.has_param(name)) return {};
     const std::string text = request.get_param_value(name);
@@ -321,8 +323,8 @@ class Application {
     response.set_content(io::read_bytes(path, kLargestResult), kJson);
   }
 
-  /// The file that a request names, in the layout of its optional parameter "layout": an object
-  /// with the keys of a record that state the layout of a table.
+  /// The file that a request names. The optional parameter "layout" is an object with the keys of a
+  /// record that describe the layout of a table.
   [[nodiscard]] RecordSource source_of(const Request& request) const {
     RecordSource out{.path = place(parameter(request, "name"))};
     if (!request.has_param("layout")) return out;
@@ -424,7 +426,8 @@ class Application {
   }
 
   [[nodiscard]] std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text) {
-    const std::lock_guard lock(checking_);  // one check at a time: it may read a record
+    const std::lock_guard lock(
+        checking_);  // one check at a time, because a check may read a record
     return program_.check(path, text,
                           [this](const fs::path& input) { return folder_.contains(input); });
   }
@@ -440,7 +443,7 @@ class Application {
     answer(response, out);
   }
 
-  /// Writes a case. Does not replace another type of file, or a case that has changed meanwhile.
+  /// Writes a case. Replaces neither a file of another type nor a case that has changed meanwhile.
   void save(const Json& asked, Response& response) {
     const std::string name = asked.at("name").get<std::string>();
     const std::string text = asked.at("text").get<std::string>();

@@ -28,12 +28,12 @@ struct RecordSource {
 /// change.
 class OpenRecords {
  public:
-  /// Reads the file unless it is still in memory. The channels are not checked. Throws
+  /// Reads the file if it is not in memory. The channels are not checked. Throws
   /// io::FileError, Failure.
   [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const RecordSource& source);
   /// Opens the file and checks its channels, which can take longer than reading it. Returns
   /// {tables: [[{rms, faults, peaks_hz, missing, lowest, highest}, …], …]}, one object for each
-  /// channel. `missing` is the share of samples that are not finite.
+  /// channel. `missing` is the fraction of samples that are not finite.
   [[nodiscard]] Report checked(const RecordSource& source);
 
  private:

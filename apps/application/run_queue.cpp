@@ -158,7 +158,7 @@ void RunQueue::read(Run& run, const std::string& output) {
       run.seconds_left.reset();
       if (progress.contains("seconds_left"))
         run.seconds_left = progress.at("seconds_left").get<double>();
-    } catch (const nlohmann::json::exception&) {  // a line of another form
+    } catch (const nlohmann::json::exception&) {  // a line in another format
       run.message = io::printable(line);
     }
   }

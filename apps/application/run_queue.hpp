@@ -38,11 +38,11 @@ class RunQueue {
   /// Stops all runs; each run writes its results so far. Kills runs that do not end within 10 s.
   ~RunQueue();
 
-  /// Returns the number of the run; empty if the queue is full, or if a run with the same output
-  /// folder is waiting or running.
+  /// Returns the identification number of the run; empty if the queue is full, or if a run with the
+  /// same output folder is waiting or running.
   [[nodiscard]] std::optional<int> add(RunRequest request);
   /// Removes a waiting run; a running run ends early and writes its results so far. Returns false
-  /// if no waiting or running run has this number.
+  /// if no waiting or running run has this identification number.
   bool stop(int number);
   /// Returns [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
   /// message, exit, seconds, trace}, …]. A state is queued, running, stopping, done, stopped or

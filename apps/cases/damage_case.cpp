@@ -315,7 +315,8 @@ std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const Case
 }
 
 void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
-  // The limit is necessary because modes are searched in each model separately before sampling.
+  // The limit is necessary because posterior modes are searched in each model separately before
+  // sampling.
   constexpr double kMostModels = 5000;
   const std::vector<DefectKind>& kinds = parsed.damage.kinds;
   double models = 1.0;
@@ -444,7 +445,7 @@ void finish_data(const CaseFile& f, DamageCase& out) {
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {
     f.refuse(damage_key("/data/cov"),
              "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
-             "write \"cov\": 0.005 for 0.5 % of each");
+             "write \"cov\": 0.005 for 0.5 % of each frequency");
   }
   if (f.json.contains("baseline")) {
     if (out.data.simulated)

@@ -145,8 +145,9 @@ void take_data(const CaseFile& f, DamageCase& out) {
   }
   if (out.emulator && data.contains("repeats"))
     f.refuse(data_key("/predictor"),
-             "an emulator does not support \"repeats\", whose errors are correlated between modes: "
-             "use \"fe\" here");
+             "\"repeats\" have errors that are correlated between modes, which an emulator does "
+             "not support: use "
+             "\"fe\" here");
   if (out.emulator)
     f.refuse(data_key("/predictor"),
              "an emulator predicts frequencies, not shapes: use \"fe\" here");
@@ -177,7 +178,7 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
   if (baseline.sd_hz.empty())
     f.refuse(where / "cov",
              "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
-             "write \"cov\": 0.005 for 0.5 % of each");
+             "write \"cov\": 0.005 for 0.5 % of each frequency");
   try {
     compare_with_baseline(out, baseline);
   } catch (const InvalidInput& error) {

@@ -45,7 +45,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
   return lists;
 }
 
-// Parses a scattered design, or the names of files with runs of the user.
+// Parses a space-filling design, or the names of files with the user's own model runs.
 void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
   const Json& p = file.json.at(where);
   if (p.contains("design")) {
@@ -117,11 +117,12 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   using Joined = emulator::InterpolantType::Runs;
   if (grid && spec.interpolant->runs != Joined::grid) {
     file.refuse(where / "interpolation",
-                "needs scattered runs (\"design\", \"runs_csv\"); a grid of sites allows " +
+                "needs model runs that are not on a grid (\"design\", \"runs_csv\"); a grid of "
+                "sites allows " +
                     interpolant_names(Joined::grid));
   }
   if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
-    file.refuse(where / "interpolation", "needs a grid of sites; a scattered design allows " +
+    file.refuse(where / "interpolation", "needs a grid of sites; a space-filling design allows " +
                                              interpolant_names(Joined::scattered));
   }
   if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);

@@ -58,8 +58,8 @@ std::string columns_listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Checks units: a shape compares channels, so that all channels must have one unit, or quantities
-/// that can be converted to each other.
+/// Checks units: the entries of a shape must be comparable. All channels must therefore have one
+/// unit, or quantities that can be converted to each other.
 void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   using Basis = signals::Conversion::Basis;
   std::vector<std::string> none, known;
@@ -90,8 +90,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
-        ", unlike other channels. The numbers of this channel are used unchanged: mode shapes are "
-        "wrong unless the numbers are in SI units. State \"unit\" in the channel.");
+        ", but other channels have units. The numbers of this channel are used unchanged: if they "
+        "are not in SI units, the mode shapes are wrong. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
     const std::string& column = out.channels[i].column;
@@ -99,7 +99,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity follows from the case, or else from the unit, or else from other channels.
+  // The case may state the quantity. Otherwise the unit determines it or, without a unit, the other
+  // channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -170,7 +171,8 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
       if (!sensor.direction.empty())
-        file.refuse(where / "direction", "replaces azimuth and elevation: give this key or those");
+        file.refuse(where / "direction",
+                    "replaces azimuth and elevation: give either \"direction\" or the two angles");
       sensor.azimuth = c.value("azimuth", 0.0);
       sensor.elevation = c.value("elevation", 0.0);
     }
@@ -361,7 +363,7 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
          a.elevation == b.elevation;
 }
 
-/// Adds a remark if two channels of a record are at one node in one direction, perhaps by mistake.
+/// Adds a remark if two channels of a record have the same node and direction, perhaps by mistake.
 void remark_on_duplicate_sensors(SetUp& s) {
   for (std::size_t i = 0; i < s.sensors.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
@@ -413,12 +415,12 @@ void collect_sensors(ModalCaseFile& out) {
       if (s.sensors[c].reference && !shared(s.which[c]))
         out.file.refuse(
             s.places[c] / "reference",
-            "is not in every record: a reference must be at the same place in all records");
+            "is not in every record: a reference must be at the same location in all records");
     }
   if (!some)
     out.file.refuse(Pointer("/records"),
-                    "have no sensor in common (by node and direction, or references by column): "
-                    "their shapes cannot be merged");
+                    "have no sensor in common (the same node and direction or, without nodes, "
+                    "references with the same name): their shapes cannot be merged");
 }
 
 void take_bands(const CaseFile& file, SetUp& s) {
@@ -495,7 +497,8 @@ void take_merging(ModalCaseFile& out) {
   for (const SetUp& s : out.set_ups)
     if (std::abs(s.options.sample_rate_hz / rate - 1.0) > 1e-6)
       out.file.refuse(
-          s.where, "has another sampling rate than the first record: \"preger\" needs equal rates");
+          s.where,
+          "has a different sampling rate from the first record: \"preger\" needs equal rates");
   bool named = false;
   for (const MeasuredSensor& s : out.sensors) named = named || s.reference;
   std::vector<int> common;

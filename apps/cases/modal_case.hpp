@@ -23,7 +23,7 @@ struct SetUp : identification::ModalRecord {
   std::vector<MeasuredSensor> sensors = {};  ///< sensor of each response channel
   std::vector<int> which = {};               ///< index of each sensor in ModalCaseFile::sensors
   std::vector<Pointer> places = {};          ///< locations of the sensors in the case
-  std::vector<std::string> oddities = {};    ///< sentences on the faults of channels
+  std::vector<std::string> oddities = {};    ///< messages about faulty channels
   std::vector<ChannelUse> channels = {};     ///< response channels, then force channels
   signals::Sampling sampling = {};
   /// Layout of the file, if the record is delimited text

@@ -265,7 +265,7 @@ class ModalDataParser {
     } else if (n > 0) {
       file_.refuse(where_ / "cov",
                    "is missing: give the uncertainty of the frequencies, \"cov\", \"sd\" or "
-                   "\"covariance\"; for example, write \"cov\": 0.005 for 0.5 % of each");
+                   "\"covariance\"; for example, write \"cov\": 0.005 for 0.5 % of each frequency");
     }
     if (!has("covariance")) return;
     std::vector<Index> measured;
@@ -379,7 +379,7 @@ class ModalDataParser {
             {.dofs = {number - 1}, .coefficients = {1.0}}};
   }
 
-  // Finds a place and direction of the table of degrees of freedom, or "mass 1".
+  // Finds the degree of freedom with a given location and direction in the table, or "mass 1".
   Sensor named(const Pointer& at, bool chain) const {
     const auto place = file_.json.at(at / "node").get<std::string>();
     std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
@@ -460,7 +460,7 @@ class ModalDataParser {
     return out;
   }
 
-  /// A simulated value as text, in the form in which CaseFile::refuse prints values of the case.
+  /// Formats a simulated value as CaseFile::refuse formats the values of a case.
   [[nodiscard]] std::string simulated_value(const Json& value) const {
     return simulated_ == nullptr ? std::string() : value.dump() + ": ";
   }

@@ -24,7 +24,8 @@ struct SimulatedModes {
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);
 
-/// Throws Failure for data with "doubt" but without shapes. Call this after simulating the truth.
+/// Throws Failure for data with "doubt" but without shapes. Call this function after the simulation
+/// of the truth.
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
 
 }  // namespace wheeltap::apps

@@ -28,7 +28,7 @@ struct UmbridgeSpec {
 
 /// A program that Wheeltap runs once per prediction.
 struct CommandSpec {
-  std::vector<std::string> words;  ///< command: program and arguments, with {in}, {out} and {case}
+  std::vector<std::string> words;  ///< program and arguments, with {in}, {out} and {case}
   /// True if the program's files contain plain numbers instead of JSON
   bool numbers = false;
   std::filesystem::path folder;  ///< folder of the case
@@ -39,7 +39,7 @@ struct CommandSpec {
 struct OutsideSpec {
   std::optional<UmbridgeSpec> umbridge = {};
   std::optional<CommandSpec> command = {};  ///< exactly one of `command` and `umbridge` is set
-  std::vector<int> order = {};              ///< input i is unknown order[i]
+  std::vector<int> order = {};              ///< input i is the unknown with index order[i]
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =

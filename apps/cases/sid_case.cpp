@@ -56,7 +56,7 @@ class Parser {
     const Json priors = json_.value("parameters", Json::object());
     std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
-      if (out_.number > 1) break;  // all records use the first record's table
+      if (out_.number > 1) break;  // all records use the table of the first record
       const std::string variable = variable_of(name);
       if (const auto why = io::netcdf_name_error(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
@@ -370,7 +370,7 @@ class Parser {
           term.law.coefficients[c] =
               use(static_cast<int>(same - out_.parameters.begin()), where, bounds);
         } else {
-          // The record later sets the scale of this prior.
+          // The scale of this prior is set later, from the record.
           term.law.coefficients[c] = added(parameter, inference::Normal{0.0, 1.0});
           term.by_default.push_back(c);
         }
@@ -503,7 +503,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
   if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
   if (needs == SidNeeds::record) load_record(out);
-  // If there are several records, the first record sets the scales.
+  // If there are several records, the scales of the priors follow from the first record.
   if (needs == SidNeeds::record && sid_case.discovery && number == 1) {
     explained_case(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
   }

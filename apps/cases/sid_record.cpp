@@ -13,7 +13,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// Seed of the simulation; each of several records is simulated separately.
+/// Seed of the simulation; several records have different seeds.
 std::uint64_t seed_of(const SidCase& sid_case) {
   return sid_case.truth->seed + static_cast<std::uint64_t>(sid_case.number - 1);
 }

@@ -23,7 +23,7 @@ Role role_of(const Json& excitation) {
                                                               : Role::base_acceleration;
 }
 
-// True for a coefficient of a term of the discovery.
+// True for a coefficient that belongs to a term of the discovery.
 bool belongs_to_a_term(const SidCase& sid_case, int parameter) {
   if (!sid_case.discovery) return false;
   return std::ranges::any_of(sid_case.discovery->terms, [&](const SidTerm& term) {

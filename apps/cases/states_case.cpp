@@ -35,8 +35,8 @@ void inherit(Json& state, const Json& block) {
       {{"frequencies", "file", "from", "repeats"},
        {"cov", "sd", "covariance", "repeats"},
        {"shape_sd", "shape_covariance", "shape_sd", "shape_sd"}}};
-  // Keys that select from the file of another key. They do not apply to a state with frequencies of
-  // another origin.
+  // Keys that select data from the file that another key names. They do not apply to a state whose
+  // frequencies have another source.
   static constexpr std::array<std::array<const char*, 2>, 4> selections = {
       {{"columns", "file"}, {"row", "file"}, {"modes", "from"}, {"model_modes", "from"}}};
   const auto has_other_origin = [&](const char* origin) {
@@ -136,7 +136,7 @@ class MassParser {
 
   [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
                                 const std::vector<std::string>& names) const {
-    file_.refuse(at / "node", "no place has this name" + did_you_mean(name, names));
+    file_.refuse(at / "node", "no location has this name" + did_you_mean(name, names));
   }
 
   const CaseFile& file_;
@@ -221,7 +221,7 @@ bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
   for (const Pointer& where : state_blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
-    // Only the likelihood of states integrates over stiffness errors of parts.
+    // Only the likelihood of states integrates over stiffness errors of members or links.
     const Json discrepancy = file.json.at(where).value("discrepancy", Json());
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
     // A baseline that contains more than frequencies is also a state.

@@ -10,8 +10,8 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// True if the case has "parameters", or if /data or /baseline/data has "states", "masses",
-/// "temperature", "known" or another key that only states support.
+/// True if the case has "parameters", or a key in /data or /baseline/data that only states support
+/// ("states", "masses", "temperature", "known" and others).
 [[nodiscard]] bool has_states(const CaseFile& file);
 
 /// The case with a prior for each coefficient that its states set ("known"), so that parsers of

@@ -20,7 +20,7 @@ namespace {
 
 using Sites = DefectType::Sites;
 
-/// Possible places of defects: names and their sites.
+/// Possible locations of defects: their names and sites.
 struct DamagePlaces {
   std::string what;  ///< "member"
   std::vector<std::string> names;
@@ -322,7 +322,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
     out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
-    int most_supports = 0;  // each may be rigid and remove a mode
+    int most_supports = 0;  // each may be rigid, which removes a mode
     for (const DefectKind& kind : out.kinds)
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));

@@ -54,7 +54,7 @@ std::string joined(int argc, char** argv) {
   return line;
 }
 
-// Check the date before there are any results.
+// Check the date before the run produces results.
 void check_date_of_files() {
   try {
     (void)io::date_of_files();
@@ -123,7 +123,8 @@ std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int a
          "--help)";
 }
 
-/// True if this rank has work: under mpirun, ranks other than the first run only some commands.
+/// True if this rank has work: under mpirun, ranks other than the first run only the commands that
+/// use all ranks.
 bool divide_among_ranks(const Command& command, CommonOptions& common) {
   if (base::ranks() == nullptr) return true;
   if (common.threads == 0) common.threads = 1;
@@ -136,7 +137,7 @@ bool divide_among_ranks(const Command& command, CommonOptions& common) {
 int run(const std::vector<Command>& commands, int argc, char** argv) {
   // If a file exceeds the size limit, report a write error instead of ending by a signal.
   std::signal(SIGXFSZ, SIG_IGN);
-  // HDF5 need not lock files: Wheeltap locks its files, and some cluster file systems lack locks.
+  // Disable the file locks of HDF5: Wheeltap locks its files, and some file systems have no locks.
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   CLI::App app{
       "Structural health monitoring: number, positions and severities of damages, with calibrated "

@@ -35,7 +35,7 @@ void parse_as_command(CaseFile file) {
   static_cast<void>(command->make_run(std::move(file), common, {})->estimate());
 }
 
-/// Calls `use` for every string in the case, with its place.
+/// Calls `use` for every string in the case, with its location.
 void each_text(const Json& json, const Pointer& where,
                const std::function<void(const Pointer&, const std::string&)>& use) {
   if (json.is_string()) use(where, json.get_ref<const std::string&>());

@@ -189,12 +189,14 @@ class Batch {
     report(at);
   }
 
-  /// Runs the program and waits until it ends. Returns false if it was stopped with the batch.
+  /// Runs the program and waits until it ends. Returns false if a stop of the batch also stopped
+  /// the program.
   bool run_program(const std::vector<std::string>& words, int threads, int at,
                    BatchRow& row) const {
     constexpr int kMilliseconds = 200;
     const auto began = Clock::now();
-    // An environment variable sets the threads, so that the command stored in results omits them.
+    // An environment variable sets the number of threads, so that the command in the results omits
+    // it.
     ChildProgram program(words, {std::string(kThreadsVariable) + "=" + std::to_string(threads)});
     std::optional<int> exit;
     for (bool terminated = false; !exit; exit = program.ended()) {

@@ -12,8 +12,8 @@ namespace wheeltap::apps {
 /// `batch.csv` contains the rows of all finished cases (batch_table.hpp), and one line reports the
 /// findings. With `resume`, finished runs are verified by their checksums and kept, and interrupted
 /// runs continue from their checkpoints. After a signal that requests a stop, every run writes its
-/// checkpoint and ends. After all cases, throws Failure with the exit code of the first case of the
-/// list that failed.
+/// checkpoint and ends. After all cases, throws Failure with the exit code of the first failed case
+/// in the list.
 void run_batch(const CommonOptions& common, const SamplingOptions& sampling);
 
 }  // namespace wheeltap::apps

@@ -35,7 +35,8 @@ struct Command {
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of the cases that the command runs; empty: it runs no case
-  /// Only cases of its kind with this key; empty: only those without the key of another command
+  /// The command runs only cases with this key; if empty, only cases without the keys of other
+  /// commands
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the command does not sample a posterior
   MakeCaseRun make_run = {};

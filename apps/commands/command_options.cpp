@@ -190,8 +190,8 @@ void CommandOptions::add_sampling() {
       "ignore the data, as a check of the sampler: the posterior must equal the prior");
   app_.add_flag(
           "--quick", invocation_.sampling.quick,
-          "quick run with a fixed, small amount of work: mode searches and short chains, so that "
-          "probabilities are approximate; "
+          "quick run with a fixed, small amount of work: searches for posterior modes and short "
+          "chains, so that probabilities are approximate; "
           "--dry-run estimates the run time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,

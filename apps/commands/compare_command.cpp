@@ -41,7 +41,7 @@ double number_at(const Report& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// The measured data of a case, without assumptions (noise parameters, places of sensors in the
+/// The measured data of a case, without assumptions (noise parameters, locations of sensors in the
 /// model). A file is identified by the content that the run read, not by its name.
 class Measured {
  public:
@@ -136,7 +136,7 @@ Compared read_run(const std::filesystem::path& folder) {
   io::finish_commit(folder);
   const std::optional<Report> summary = stored_summary(folder);
   if (!summary || !summary->contains("wheeltap") || !(*summary)["wheeltap"].contains("case"))
-    throw Failure(Exit::no_input, io::printable(name) + ": holds no finished run");
+    throw Failure(Exit::no_input, io::printable(name) + ": does not contain a finished run");
   try {
     return compared(name, *summary);
   } catch (const nlohmann::json::exception& error) {
@@ -233,7 +233,7 @@ void run_compare(const CompareOptions& options) {
       refuse(run.name, "is a run of " + run.command + ", but " + io::printable(runs[0].name) +
                            " is a run of " + runs[0].command);
     if (run.measured != runs[0].measured)
-      refuse(run.name, "uses other data than " + io::printable(runs[0].name) +
+      refuse(run.name, "does not use the data of " + io::printable(runs[0].name) +
                            ": evidences are comparable for the same data only");
   }
   const std::vector<double> prior = shares(options.prior, runs.size());

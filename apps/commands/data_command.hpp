@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 struct DataOptions {
   std::filesystem::path file;
   std::filesystem::path page;  ///< HTML file for the plots; empty: no plots
-  std::string to;  ///< format to convert to: csv, nc or uff, or a file name with this extension
+  std::string to;              ///< format of the converted file: csv, nc or uff, or a file name
   bool json = false;
   MeasuredReading reading = {};
 };

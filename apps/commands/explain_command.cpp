@@ -30,9 +30,9 @@ bool ends_with(const Path& path, const Path& end) {
   return path.size() >= end.size() && std::equal(end.rbegin(), end.rend(), path.rbegin());
 }
 
-/// Explains every place, of every kind of case, whose path ends with `key` ("damage.count.max",
+/// Explains every location in every kind of case whose path ends with `key` ("damage.count.max",
 /// "count.max", "max", "/damage/count/max"): meaning, allowed values, and keys. Throws Failure
-/// (usage), with the nearest key, if there is no such place.
+/// (usage), with the nearest key, if there is no such location.
 std::string explanation(const std::string& key) {
   const std::vector<KeyPlace> places = key_places(schema_names());
   const Path asked = parts_of(key);

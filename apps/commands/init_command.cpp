@@ -223,7 +223,7 @@ std::vector<fs::path> write_starter(const std::string& kind, const std::string& 
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }
-  // There are starters of damage cases with a beam and with other structures.
+  // Damage cases have several starters: with a beam, and with other structures.
   const bool beam = structure == "beam";
   const auto structures = starter_structures(kind);
   if (!beam && std::ranges::find(structures, structure) == structures.end())

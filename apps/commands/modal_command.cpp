@@ -27,7 +27,7 @@ namespace {
 using signals::ModalResult;
 using signals::Mode;
 
-/// Identifies modes. In error messages, names replace the library's channel numbers from 0.
+/// Identifies modes. In error messages, channel names replace the channel indices of the library.
 ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
   try {
     return identification::identify(set_up, seed);

@@ -81,7 +81,7 @@ Report process(const CommonOptions& common, const MonitorFlags& flags) {
   return std::move(run.summary);
 }
 
-/// Waits until a file of the series changes. Returns false if the program is to end.
+/// Waits until a file of the series changes. Returns false if the program should end.
 bool wait_for_rows(const CommonOptions& common, std::string& seen, double seconds) {
   for (;;) {
     for (double waited = 0.0; waited < seconds; waited += 0.2) {
@@ -99,7 +99,7 @@ bool alarmed(const Report& summary) {
   return summary.at("monitor").at("alarm").get<bool>();
 }
 
-/// Run time from measured times of the training and of one row.
+/// Estimates the run time from measured times of the training and of one row.
 RunCost cost_of_monitoring(const MonitorCaseFile& parsed) {
   const auto features = static_cast<double>(parsed.series.feature_count());
   const double monitored = parsed.series.rows() - parsed.learning_rows;

@@ -23,10 +23,11 @@
 namespace wheeltap::apps {
 namespace {
 
-/// A section of a case as a separate file {"section": …, "poisson": …}, and its place in the case.
+/// A section of a case as a separate file {"section": …, "poisson": …}, and its location in the
+/// case.
 struct Found {
   CaseFile file;
-  std::string place;  ///< place in the case: "/beam/section"; "" for a file of one section
+  std::string place;  ///< location in the case: "/beam/section"; "" for a file of one section
   std::string title;
 };
 
@@ -290,7 +291,7 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     else
       print(found, section, material);
   } catch (const Failure& failure) {
-    // The message must name the section's place in the case.
+    // The message must name the section's location in the case.
     std::string line = failure.what();
     const std::string stood = file.path.string() + ": /section";
     if (found.place != "/section" && line.starts_with(stood))

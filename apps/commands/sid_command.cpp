@@ -8,7 +8,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Runs a case with a sweep once per value; sweep.csv replaces posterior.nc.
+/// Runs a case with a sweep once per value of the sweep; sweep.csv replaces posterior.nc.
 void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   CaseFile file = case_to_sample(common, options);
   if (file.json.contains("sweep"))

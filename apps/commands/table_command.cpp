@@ -31,7 +31,7 @@ struct TableOptions {
   std::vector<std::filesystem::path> merge;  ///< parts to merge; their runs are not repeated
 };
 
-// Parses "2/5", the second of five, to 0-based indices.
+// Parses "2/5" (the second of five parts) to 0-based indices.
 std::pair<int, int> parse_part(const std::string& text) {
   constexpr std::int64_t kMostParts = 1'000'000;
   const std::size_t slash = std::min(text.find('/'), text.size());
@@ -88,7 +88,7 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
                        "does not give the number of modes: give \"frequencies\" or \"modes\"");
   }
   if (spec.runs == EmulatorSpec::Runs::csv && !(options.part.empty() && options.merge.empty())) {
-    parsed.file.refuse(predictor / "runs_csv", "are finished runs: there are no parts to compute");
+    parsed.file.refuse(predictor / "runs_csv", "are finished runs: nothing remains to be computed");
   }
   if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
     parsed.file.refuse(

@@ -68,7 +68,7 @@ Command track_command() {
                 options.add_json("print the table as JSON");
                 options.app()
                     .add_option("--share", flags->share,
-                                "smallest share of the training records in which a tracked mode "
+                                "smallest fraction of the training records in which a tracked mode "
                                 "must be identified (default 0.5)")
                     ->check(CLI::Range(0.01, 1.0));
                 options.app()

@@ -15,8 +15,8 @@ struct AlarmCommand {
 };
 
 /// Runs the command in the folder of the case, with `text` on its standard input; its output goes
-/// to standard error. No shell interprets the words. Returns a sentence on the failure, or an empty
-/// string.
+/// to standard error. No shell interprets the words. Returns a message about the failure, or an
+/// empty string.
 [[nodiscard]] std::string run_on_alarm(const AlarmCommand& command,
                                        const std::filesystem::path& summary,
                                        const std::string& text);

@@ -168,7 +168,7 @@ void BoundedServer::enter(socket_t socket) {
   const std::lock_guard lock(mutex_);
   open_.insert(socket);
   if (open_.size() > bounds_.connections) {
-    // Close the connection with the longest wait or, if all are busy, the new connection.
+    // Close the connection that has waited longest; if all are busy, close the new connection.
     const socket_t leaves = waiting_.empty() ? socket : waiting_.front();
     if (!waiting_.empty()) waiting_.pop_front();
     ::shutdown(leaves, SHUT_RDWR);

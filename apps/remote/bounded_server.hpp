@@ -38,7 +38,7 @@ class BoundedServer : public httplib::Server {
   /// and the connection is closed.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
-  /// Closes the connection of this thread after the answer to a request whose body is not read.
+  /// Closes the connection of this thread after the response to a request whose body is not read.
   static void close_after_answer() { close_ = true; }
 
  private:
@@ -56,7 +56,7 @@ class BoundedServer : public httplib::Server {
   std::set<socket_t> open_;            // open connections
   std::list<socket_t> waiting_;        // open connections without a request, the longest wait first
   static thread_local socket_t here_;  // connection that this thread serves
-  static thread_local bool close_;     // true if the connection should be closed after the answer
+  static thread_local bool close_;     // true if the connection should be closed after the response
 };
 
 }  // namespace wheeltap::apps

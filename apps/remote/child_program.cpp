@@ -17,7 +17,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kMostSaid = 1 << 16;  // bytes; of longer output, the end is kept
+constexpr std::size_t kMostSaid = 1 << 16;  // bytes; only the end of longer output is kept
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);

@@ -6,7 +6,7 @@
 namespace wheeltap::apps {
 
 /// Each run has a separate temporary directory as its current directory. The directory is removed
-/// unless the run failed. The file {in} contains the parameters: an object {"E": 2.1e11, …}, or
+/// after a successful run. The file {in} contains the parameters: an object {"E": 2.1e11, …}, or
 /// plain numbers, one per line. The program must write one number per output to the file {out}. The
 /// file contains a JSON list, a JSON object with such a list as "predictions", or plain numbers
 /// separated by blanks or line ends. In the command, {case} is the folder of the case. A program

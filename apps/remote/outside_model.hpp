@@ -15,8 +15,8 @@ inline constexpr const char* kModelRuns = "model-runs.journal";
 
 /// Opens the model with the given number of outputs and checks the sizes that the model reports, if
 /// any. The model reads earlier results from the user's file or, with --resume, from the run's
-/// journal. Its inputs are the unknowns. Throws Failure (64) for a program without --allow-commands
-/// or another machine without --allow-hosts. Also throws io::FileError and OutsideModelError.
+/// journal. Its inputs are the unknowns. Throws Failure (64) if the case needs --allow-commands (a
+/// program) or --allow-hosts (another machine). Also throws io::FileError and OutsideModelError.
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
 

@@ -87,7 +87,7 @@ class StructureForward final : public OutsideModel {
   std::vector<double> x_;
 };
 
-/// The density ln p(data | x); as "posterior", ln p(data | x) + ln p(x).
+/// The log density ln p(data | x) or, for "posterior", ln p(data | x) + ln p(x).
 class Density final : public OutsideModel {
  public:
   Density(const inference::Problem& problem, int model, bool with_prior)
@@ -119,9 +119,9 @@ class Density final : public OutsideModel {
   bool with_prior_;
 };
 
-/// Number of inputs for the place of a defect. Beam: place [m]. Members of other structures: member
-/// (number from 0 in the order of the case) and place [m] from its first node. Joints, storeys and
-/// similar sites: their number.
+/// Number of inputs for the location of a defect. Beam: coordinate [m]. Members of other
+/// structures: member (index from 0 in the order of the case) and distance [m] from its first node.
+/// Joints, storeys and similar sites: their index.
 std::size_t place_numbers(const DefectKind& kind) {
   return !kind.line.is_beam() && kind.type->sites == DefectType::Sites::members ? 2 : 1;
 }
@@ -131,7 +131,7 @@ std::size_t defect_numbers(const DefectKind& kind) {
   return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
 }
 
-/// The part of the line of sites that has this site number. Throws std::invalid_argument for an
+/// The segment of the line of sites with this site number. Throws std::invalid_argument for an
 /// unknown number.
 const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
   for (const SiteLine::Stretch& stretch : kind.line.stretches())
@@ -143,9 +143,9 @@ const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const doub
                               ": must be one of " + allowed);
 }
 
-/// A place as the coordinate x on the line of all sites, and ln of the length on this line per unit
-/// of the inputs (per metre of a member, or per joint). Throws std::invalid_argument for an invalid
-/// place.
+/// The coordinate x of a location on the line of all sites, and ln of the length on this line per
+/// unit of the inputs (per metre of a member, or per joint). Throws std::invalid_argument for an
+/// invalid location.
 struct LinePlace {
   double x = 0.0, log_measure = 0.0;
 };
@@ -162,7 +162,7 @@ LinePlace line_place(const DefectKind& kind, std::span<const double> said) {
           .log_measure = std::log((stretch.end - stretch.start) / one)};
 }
 
-/// Frequencies of a damaged structure as a function of its defects, by the predictor of the
+/// Frequencies of a damaged structure as a function of its defects, from the predictor of the
 /// likelihood.
 class DamageForward final : public OutsideModel {
  public:

@@ -42,10 +42,10 @@ std::unique_ptr<OutsideModel> umbridge_model(const UmbridgeSpec& spec, int /*inp
 
 namespace {
 
-constexpr double kFirstPause = 0.25, kLongestPause = 30.0;  // seconds between two tries
-constexpr std::size_t kLongest = 200;                       // characters of an answer in messages
+constexpr double kFirstPause = 0.25, kLongestPause = 30.0;  // seconds between two attempts
+constexpr std::size_t kLongest = 200;                       // characters of a response in messages
 
-/// The beginning of a server's answer, for error messages.
+/// The beginning of a server's response, for error messages.
 std::string beginning(const std::string& words) {
   return words.size() > kLongest ? words.substr(0, kLongest) + "..." : words;
 }
@@ -260,7 +260,7 @@ class UmbridgeModel final : public OutsideModel {
       };
       std::string text;
       bool too_long = false, too_slow = false;
-      // Limit the size and the time of answers.
+      // Limit the size and the time of responses.
       request.content_receiver = [&](const char* data, std::size_t n, auto, auto) {
         too_long = text.size() + n > kLargestAnswer;
         too_slow = seconds() > spec_.patience.timeout_seconds;

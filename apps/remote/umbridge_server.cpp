@@ -101,7 +101,7 @@ Json evaluated(Workers& workers, const Json& question) {
     model.evaluate(x, y);
     return true;
   });
-  // JSON has no infinity: ln of a density of zero becomes the lowest number.
+  // JSON has no infinity: the ln of a zero density becomes the lowest finite number.
   for (double& value : y) {
     if (value == -std::numeric_limits<double>::infinity())
       value = std::numeric_limits<double>::lowest();
@@ -210,7 +210,7 @@ class Server {
     const auto found = std::ranges::find_if(
         models_, [&](const auto& model) { return name == model->model().name; });
     if (found == models_.end()) throw Refusal{"ModelNotFound", "unknown model " + name.dump()};
-    // There may be many connections: limit the number of models that work at a time.
+    // There may be many connections: limit the number of simultaneous evaluations.
     struct Leave {
       std::counting_semaphore<>& of;
       ~Leave() { of.release(); }

@@ -29,7 +29,7 @@ struct ServerOptions {
 };
 
 /// Answers the requests /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of
-/// version 1.0 until stop() returns true. Numbers in answers have all significant digits of a
+/// version 1.0 until stop() returns true. Numbers in responses have all significant digits of a
 /// double. Throws Failure if the port is not available.
 void serve_models(const std::vector<ServedModel>& models, const ServerOptions& options);
 

@@ -11,8 +11,8 @@ const charts = (() => {
   const { responses } = recordCharts;
   const { marginal, pair, history, visits, running, acceptance } = samplingCharts;
 
-  // Charts of the results, in the order of the page: a chart maps a run to its figures, none if the
-  // run lacks their data.
+  // Charts of the results, in the order of the page: a chart maps a run to its figures (an empty list if the run lacks
+  // their data).
   const ofResults = [evidence, residuals, mac, shapes, responses];
 
   function figures(run) {
@@ -29,13 +29,13 @@ const charts = (() => {
       }
       out.push(...jointFigures(run));
     } else {
-      // Of a discovery the law over all models stands for those of each, and its map of forces for that of
-      // the most probable one.
+      // For a discovery, the law averaged over all models replaces the laws of each model, and its map of forces
+      // replaces the map of the most probable model.
       const mapped = (summary.discovery?.laws || []).filter((law) => law.map?.length).map((law) => law.between.join(' – '));
       out.push(...chain(run), ...(summary.terms ? [] : laws(run)), ...loops(run).filter((f) => !(f.id.startsWith('restoring-force') && mapped.includes(f.group))));
     }
     out.push(...ofResults.flatMap((chart) => chart(run)));
-    // Draws that could not be written have no pictures.
+    // Draws that could not be written have no figures.
     const drawn = draws.parameters || {};
     for (const [model, list] of Object.entries(drawn)) {
       for (const p of list) out.push(marginal(model, p, isShare(p.name)));
@@ -48,7 +48,7 @@ const charts = (() => {
       for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name, p.unit), p.history, draws.draws, false, isShare(p.name)));
     }
     out.push(...emulator(run));
-    // Two names may shorten to one.
+    // Different names may have the same shortened form.
     const seen = new Map();
     for (const f of out) {
       const n = (seen.get(f.id) || 0) + 1;

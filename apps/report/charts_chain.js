@@ -1,7 +1,7 @@
 // Charts of a chain of masses: its drawing, the laws of its links, and their motion and forces.
 const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, frame, linear, strokes, tickFormat, dots, dotMark, axisX, axisY }) => {
   // ---- the drawing ------------------------------------------------------------------------
-  // A symbol reaches from (x, low) up to (x, top); its body is 36 px about the middle m.
+  // A symbol extends from (x, low) up to (x, top); its body has a height of 36 px, centred at m.
   const zigzag = (x, from, to) => {
     const turns = 6, step = (from - to) / turns;
     return `L${x},${from}` + Array.from({ length: turns }, (_, i) => `L${x + (i % 2 ? -5 : 5)},${from - (i + 0.5) * step}`).join('') + `L${x},${to}`;
@@ -13,7 +13,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
   };
   // An arrow across the symbol of a nonlinear law.
   const across = (x, low, top) => { const m = (low + top) / 2; return `M${x - 10},${m + 13}L${x + 10},${m - 13}M${x + 4},${m - 11}L${x + 10},${m - 13}L${x + 9},${m - 6}`; };
-  // Two plates that slide on each other, pressed together from both sides.
+  // Two plates that are pressed together and slide on each other.
   const friction = (x, low, top) => {
     const m = (low + top) / 2;
     return `M${x},${low}L${x},${m + 17}L${x - 2},${m + 17}L${x - 2},${m - 11}M${x},${top}L${x},${m - 17}L${x + 2},${m - 17}L${x + 2},${m + 11}`
@@ -27,7 +27,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       ? `${body}L${x},${m}M${x - 8},${m}L${x + 8},${m}M${x - 8},${m}L${x - 8},${m - 8 - gap}L${x - 3},${m - 8 - gap}M${x + 8},${m}L${x + 8},${m - 8 - gap}L${x + 3},${m - 8 - gap}M${x},${top}L${x},${m - 6}M${x - 5},${m - 6}L${x + 5},${m - 6}`
       : `${body}L${x},${m}M${x - 7},${m}L${x + 7},${m}M${x},${top}L${x},${m - gap}M${x - 7},${m - gap}L${x + 7},${m - gap}`;
   };
-  // All other laws: a box; a loop in it for laws with memory.
+  // All other laws: a box, with a loop inside for laws with memory.
   const box = (x, low, top, inside) => { const m = (low + top) / 2; return `M${x},${low}L${x},${m + 13}M${x},${top}L${x},${m - 13}M${x - 10},${m - 13}L${x + 10},${m - 13}L${x + 10},${m + 13}L${x - 10},${m + 13}Z${inside}`; };
   const symbols = {
     stiffness: spring,
@@ -53,7 +53,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const known = found[value];
     return typeof known?.q50 === 'number' ? `${value} = ${withUnit(known.q50, known.unit)}` : String(value);
   };
-  // A unit written with N and m, in the units of the run; empty if those are not known.
+  // Converts a unit in N and m to the units of the run; empty if these are not known.
   const inPlaceOf = (si, units) => {
     if (!units.force) return '';
     const factor = (u) => (/^[\p{L}\p{N}]*$/u.test(u) ? u : `(${u})`);
@@ -84,7 +84,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     }
     return lines.map((line) => short(line, most + 2));
   }
-  // The base model of a discovery with the terms of the subset of this name.
+  // The base model of a discovery, with the terms of the subset that has this name.
   function withTerms(run, base, name) {
     if (!run.summary.terms || !base) return undefined;
     const labels = name.slice(base.name.length).split(' + ');
@@ -133,8 +133,8 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       caption: `Masses, and links with their force laws. The label of a link names its laws in the order of the symbols from left to right. Inferred values are medians.${grounded ? ` 0 is the ${ground}.` : ''}`,
       table: () => ({ head: ['between', 'laws'], rows: links.map((l) => [l.name, l.laws.map((law) => law.words).join('; ')]) }),
       spec: (width, theme) => {
-        // One row per mass, from the ground up. Links that pass a mass are beside the column; all text is
-        // to the right of them, or beneath if there is too little width.
+        // One row per mass, from the ground up. Links that pass a mass are beside the column. All text is to the right
+        // of these links, or below them if the width is too small.
         const neighbours = links.filter((l) => l.b - l.a === 1), beside = links.filter((l) => l.b - l.a !== 1);
         const lane = 27, half = Math.max(56, Math.min(width / 4, 3.5 * Math.max(...masses.map((m) => m.length)) + 8), ...neighbours.map((l) => l.laws.length * lane / 2 + 8));
         const right = 4 + 2 * half;
@@ -151,7 +151,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
           const middle = l.x || 4 + half, low = yOf(l.a) - (l.a && !l.x ? 15 : 0), top = yOf(l.b) + (l.x ? 0 : 15);
           const at = (i) => middle + (i - (l.laws.length - 1) / 2) * lane;
           const first = at(0), last = at(l.laws.length - 1);
-          // Rails between which the symbols lie, and the connection of a link beside the column to the masses.
+          // The rails between which the symbols lie, and the connections to the masses of a link beside the column.
           const rails = l.x
             ? `M${l.a ? right : right - 2},${low}L${last},${low}M${right},${top}L${last},${top}`
             : l.laws.length > 1 ? `M${first},${low - 5}L${last},${low - 5}M${middle},${low}L${middle},${low - 5}M${first},${top + 5}L${last},${top + 5}M${middle},${top}L${middle},${top + 5}` : '';
@@ -211,8 +211,8 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
   }
 
   // ---- motion and forces of the links -----------------------------------------------------
-  // Force against displacement, velocity and both: the model's motion with its best draw, and the
-  // data if their accelerations are known.
+  // Force against displacement, velocity and both: the motion of the model at its best draw and, if the accelerations
+  // are known, the data.
   function loops(run) {
     return (run.draws.link_paths || []).flatMap((link) => {
       const model = link.rows.map(([e, v, T]) => ({ e, v, T }));
@@ -227,7 +227,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       const units = link.units || {}, [force, length, rate] = [units.tension, units.extension, units.rate].map(bracketed);
       const names = data.length ? ['data', 'model'] : ['model'];
       const thinned = link.rows.length < link.samples ? ` The charts show ${link.rows.length} of ${link.samples} samples.` : '';
-      // One lead for all charts of a link.
+      // One introduction for all charts of a link.
       const lead = "Dots of the model: samples of the motion of the best draw of the most probable model." + (data.length
         ? ` Dots of the data: the tension is mass times acceleration minus force, with ${link.differentiated ? 'accelerations from numerical derivatives of the measurements' : 'measured accelerations'} and the masses of this draw. The extension and its rate come from ${link.measured_extension ? 'measured displacements and from velocities of the model' : 'displacements and velocities of the model'}.`
         : ' The record has no accelerations that determine the tension of this link, or these accelerations are too noisy.') + thinned;
@@ -245,7 +245,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
           });
         },
       });
-      // The tension as colour over extension and rate; of the data if known, else of the model.
+      // The tension as colour over extension and rate: that of the data if known, otherwise that of the model.
       const shown = data.length ? data : model;
       const top = Math.max(...shown.map((r) => Math.abs(r.T)));
       const map = {

@@ -35,8 +35,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     };
   }
 
-  // A structure or chain in the plane (in space: an oblique view), with cells coloured by the expected
-  // number of defects.
+  // A plane structure or chain (three-dimensional: an oblique view), with cells coloured by the expected number of
+  // defects.
   function structure(run, kind, inclusion, several) {
     const of = run.summary.structure, line = of.lines[kind.name];
     const view = (at) => of.dimension === 3

@@ -28,7 +28,7 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
       }),
     }];
   }
-  // A law over all models, at rest or at zero extension, and the forces from the record.
+  // A law averaged over all models, at rest or at zero extension, and the forces from the record.
   function foundLaw(law, at, { force, length, rate }) {
     const key = law.between.join(' – '), resting = at === 'extension';
     const bands = resting ? law.tension : law.resistance;
@@ -38,7 +38,7 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
     const [low, high] = ends([...values.flatMap((v) => [v.a, v.b]), ...points.map((p) => p.t)]);
     const axis = resting ? `extension${length}` : `rate${rate}`, along = ends([...values.map((v) => v.x), ...points.map((p) => p.x)]);
     return {
-      id: `found-law-${at}-` + slug(key), section: 'where', group: key, title: resting ? 'Law at rest, all models together' : 'Resistance, all models together', name: `${resting ? 'Law' : 'Resistance'} of link ${key}, all models together`,
+      id: `found-law-${at}-` + slug(key), section: 'where', group: key, title: resting ? 'Law at rest, averaged over all models' : 'Resistance, averaged over all models', name: `${resting ? 'Law' : 'Resistance'} of link ${key}, averaged over all models`,
       caption: (resting ? 'Tension at rest: median and 95 % band over all models, weighted by their probabilities.' : 'Tension at zero extension: median and 95 % band over all models, without laws with memory (hysteresis).')
         + (points.length ? ` Dots: the tension from the measured motion (force minus mass times acceleration). Their scatter about the line is the part of the tension that depends on the ${resting ? 'rate' : 'extension'}.` : ''),
       table: () => ({ head: [axis, `2.5 %${force}`, `50 %${force}`, `97.5 %${force}`], rows: values.map((v) => [v.x, v.a, v.m, v.b]) }),

@@ -1,6 +1,6 @@
 // Shared parts of all charts: themes, formats of numbers, frames, scales and axes.
 const kit = (() => {
-  // Okabe & Ito's colours, which remain apart for colour-blind readers.
+  // Okabe & Ito's colours, which colour-blind readers can distinguish.
   const themes = {
     light: {
       ink: '#17212b', soft: '#56636f', grid: '#e4e8ec', paper: '#ffffff', main: '#0072b2', other: '#d55e00',
@@ -14,7 +14,7 @@ const kit = (() => {
     },
   };
 
-  // One style everywhere: plain from 1e-4 to a million, "5.37e-6" outside.
+  // The same style in all charts: plain notation from 1e-4 to a million, "5.37e-6" outside this range.
   const number = (x, digits = 4) => {
     if (typeof x !== 'number' || !isFinite(x)) return '–';
     const rounded = +x.toPrecision(digits), size = Math.abs(rounded);
@@ -25,7 +25,7 @@ const kit = (() => {
   const probability = (p) => 'P ' + (/^[<>]/.test(percent(p)) ? '' : '= ') + percent(p);
   // Never "0": "< 1e-15".
   const pValue = (p) => (typeof p !== 'number' ? '–' : p < 1e-15 ? '< 1e-15' : number(p, 2));
-  // R² is 1 only where nothing is left: as many digits as tell it from 1, at most nine.
+  // R² below 1 must not appear as 1: as many digits as distinguish it from 1, at most nine.
   const r2 = (x) => {
     if (typeof x !== 'number' || !isFinite(x)) return '–';
     for (let digits = 4; digits <= 9; ++digits) if (x === 1 || +x.toFixed(digits) < 1) return String(+x.toFixed(digits));
@@ -36,11 +36,11 @@ const kit = (() => {
   const written = (unit) => (unit && unit !== '1' ? unit.replace(/\^2/g, '²').replace(/\^3/g, '³') : '');
   const bracketed = (unit) => (written(unit) ? ` [${written(unit)}]` : '');
   const unit = (name, known) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : bracketed(known));
-  // The units in which a chain's coefficients come out: of force and length; {} where not known.
+  // The units of force and length of a chain's coefficients; {} if they are not known.
   const unitSystem = (run) => run.summary.data?.units || (run.summary.data?.units === null ? {} : { force: 'N', length: 'm' });
   const short = (text, n) => ([...text].length > n ? [...text].slice(0, n - 1).join('') + '…' : text);
-  // Labels of parameters that are shares, which people read in percent: the severities of the kinds
-  // that say so, by name where there are several kinds.
+  // Returns true for labels of parameters that are fractions, shown in percent: the severities of kinds with `share`.
+  // If there are several kinds, the label begins with the name of the kind.
   const shares = (run) => {
     const kinds = run.summary.kinds || [];
     const names = kinds.filter((k) => k.share ?? k.severity === 'reduction').map((k) => (kinds.length > 1 ? k.name + ' ' : '') + k.severity);
@@ -66,13 +66,13 @@ const kit = (() => {
     };
   }
   const linear = (name, domain, range, more) => ({ name, type: 'linear', domain, range, zero: false, nice: false, ...more });
-  // Decades that what was measured spans (and at most so many): a prediction without noise goes on far below.
+  // The decades of the measured values, at most `most`: predictions without noise can be far smaller.
   const decades = (measured, all, most) => {
     const top = Math.max(...all), low = measured.length ? Math.min(...measured) : Math.min(...all);
     return [Math.max(low / 4, top * 10 ** -most), top * 2];
   };
-  // Ticks of a logarithmic axis: powers of ten within the values, about five; 1, 2 and 5 times those
-  // where that leaves fewer than two.
+  // Ticks of a logarithmic axis: about five powers of ten within the values. If there are fewer than two, 1, 2 and 5
+  // times the powers of ten.
   const powersOfTen = (values) => {
     const low = Math.min(...values), high = Math.max(...values), within = (v) => v >= low * 0.999 && v <= high * 1.001;
     const [a, b] = [low, high].map((v) => Math.floor(Math.log10(v)));
@@ -82,14 +82,14 @@ const kit = (() => {
     const finer = powers.flatMap((p) => [1, 2, 5].map((n) => +`${n}e${p}`)).filter(within);
     return finer.length > 1 ? finer : [low, high].map((v) => +v.toPrecision(2));
   };
-  // A legend whose names stand in full: as many beside each other as the width has room for.
+  // A legend with complete names, in as many columns as the width allows.
   const legend = (width, names, more) => {
     const longest = 6.2 * Math.max(...names.map((n) => [...String(n)].length)) + 26;
     return { columns: Math.max(1, Math.min(names.length, Math.floor(width / longest))), ...more };
   };
   const strokes = (width, names, scale = 'who') => legend(width, names, { stroke: scale, symbolType: 'stroke', symbolStrokeWidth: 3 });
   const circles = (width, names, scale) => legend(width, names, { fill: scale, symbolType: 'circle' });
-  // Ticks in the style of `number`: no more digits than tell them apart, "10000" and not "10,000".
+  // Ticks in the style of `number`, "10000" and not "10,000", with only as many digits as distinguish the ticks.
   const plainFormat = '.12~g';
   const tickFormat = (low, high) => {
     const size = Math.max(Math.abs(low), Math.abs(high));
@@ -111,8 +111,8 @@ const kit = (() => {
   const frequencyAxis = (scale) => axisX('frequency [Hz]', scale.type === 'log' ? { format: '~r', tickCount: 5, labelOverlap: 'greedy' } : {});
   // The same for powers of ten: "0.1", "1", "10", or "1e-6".
   const powerFormat = (values) => (Math.min(...values) >= 1e-3 && Math.max(...values) < 1e5 ? '~r' : '.0e');
-  // "1e-06" of a sentence as `number` writes it.
-  // Numbers with more than eight digits are shown with five: no user wrote them.
+  // Converts "1e-06" in a sentence to the style of `number`.
+  // Numbers with more than eight digits are computed, not typed: they are shown with five digits.
   const restyled = (text) => text.replace(/\d+\.\d+/g, (x) => (x.replace(/^0\.0*|\./g, '').length > 8 ? String(Number(Number(x).toPrecision(5))) : x))
     .replace(/e([+-])0*(\d+)/g, (_, sign, power) => 'e' + (sign === '-' ? '-' : '') + power);
   // Exponents as `number` writes them, and a zero as "0".
@@ -131,7 +131,7 @@ const kit = (() => {
     return [first, words.join(' ')].filter(Boolean).map((line) => short(line, most));
   }
   const namesInLines = { labels: { update: { text: { signal: "scale('names', datum.value)" }, lineHeight: { value: 13 }, dy: { signal: "-6.5 * (length(scale('names', datum.value)) - 1)" } } } };
-  // Names of the models by index; of very many models the seven most probable, and "others".
+  // Names of the models by index; for many models, the seven most probable and "others".
   function fewNames(models) {
     if (models.length <= 14) return models.map((m) => m.name);
     const top = [...models].sort((a, b) => b.probability - a.probability).slice(0, 7);

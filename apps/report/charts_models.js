@@ -4,7 +4,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const all = run.summary.models;
     const shown = all.length <= 14 ? all : [...all].sort((a, b) => b.probability - a.probability).slice(0, 14);
     const keys = [...new Set(all.flatMap((m) => Object.keys(m)))].filter((k) => all.every((m) => typeof m[k] !== 'object' || m[k] === null));
-    // Values have a separate column: beside a bar they could be mistaken for the prior.
+    // Values have a separate column, because readers could mistake a value beside a bar for the prior.
     const label = (m) => (m.passed_over ? 'not evaluated' : m.mcse === null && m.basis ? 'not known' : percent(m.probability) + (m.basis === 'evidence' ? ' ᵉ' : ''));
     const room = 14 + 7 * Math.max(...shown.map((m) => label(m).length));
     return {
@@ -71,7 +71,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const numeric = rows.every((r) => typeof r.value === 'number');
     const at = (r, i) => (numeric ? r.value : i + 1);
     const many = numeric && rows.length > 2 && Math.min(...rows.map((r) => r.value)) > 0 && Math.max(...rows.map((r) => r.value)) > 30 * Math.min(...rows.map((r) => r.value));
-    // Values over decades that begin at zero: linear up to the smallest, then logarithmic.
+    // An axis for zero and values over decades: linear up to the smallest positive value, then logarithmic.
     const smallest = Math.min(...rows.map((r) => r.value).filter((v) => v > 0));
     const fromZero = numeric && Math.min(...rows.map((r) => r.value)) === 0 && Math.max(...rows.map((r) => r.value)) > 30 * smallest;
     const x = { name: 'x', type: many ? 'log' : fromZero ? 'symlog' : 'linear', ...(fromZero ? { constant: smallest } : {}), domain: [Math.min(...rows.map(at)), Math.max(...rows.map(at))], range: 'width', padding: 10, zero: false };

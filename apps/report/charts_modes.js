@@ -1,6 +1,6 @@
 // Charts that compare measured and computed mode shapes.
 const modeCharts = (({ frame, linear, axisY }) => {
-  // Measured and computed shapes: of the data of an update, of each state of a damage run.
+  // Measured and computed shapes of the data of an update, or of each state of a damage run.
   const sets = (run) => run.summary.data?.shapes_of || [run.summary.data || {}];
   const named = (set) => (set.state ? `: ${set.state}` : '');
   const slug = (set) => (set.state ? `${set.state}-` : '');

@@ -51,7 +51,7 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
         ],
       };
       const dragged = (theme) => ({ type: 'rect', encode: { update: { x: { signal: 'drag ? min(drag[0], drag[1]) : 0' }, x2: { signal: 'drag ? max(drag[0], drag[1]) : 0' }, y: { value: 0 }, y2: { signal: 'height' }, fill: { value: theme.main }, fillOpacity: { value: 0.2 } } } });
-      const bucket = r.bucket > 1 ? ` Each point stands for up to ${r.bucket} samples and keeps their extremes.` : '';
+      const bucket = r.bucket > 1 ? ` Each plotted interval represents up to ${r.bucket} samples by their extremes.` : '';
       const left = [Math.min(0, ...values.map((v) => v.rest)), Math.max(0, ...values.map((v) => v.rest))];
       const bound = 1.96 / Math.sqrt(r.samples);
       const rho = r.autocorrelation.map((v, i) => ({ lag: i + 1, v }));

@@ -67,7 +67,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     });
     return {
       id: 'model-visits', section: 'sampling', wide: true, title: 'Model of each draw',
-      caption: `One row per chain${step === 1 ? "" : `, one draw in ${step}`}. Colours that alternate everywhere, in all rows alike, mean that the chains move freely between models.`,
+      caption: `One row per chain${step === 1 ? "" : `, one draw in ${step}`}. If the colours alternate over the whole length of all rows, the chains move freely between models.`,
       table: () => ({ head: ['draw', ...chains.map((_, i) => 'chain ' + (i + 1))], rows: chains[0].map((_, n) => [n * step + 1, ...chains.map((c) => names[c[n]])]) }),
       spec: (width, theme) => frame(width, Math.max(60, 22 * chains.length), theme, {
         data: [{ name: 'v', values }],
@@ -86,7 +86,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     const used = names.map((_, m) => m).filter((m) => few[m] === names[m] && probability.some((row) => row[m] > 0));
     return {
       id: 'running-probability', section: 'sampling', wide: true, title: 'Probability of each model as draws accumulate',
-      caption: 'Level lines mean that more draws would change little.',
+      caption: 'If the lines are level, further draws would change the probabilities only slightly.',
       table: () => ({ head: ['draws per chain', ...names], rows: draws.map((d, i) => [d, ...probability[i]]) }),
       spec: (width, theme) => frame(width, 150, theme, {
         data: [{ name: 'd', values: used.flatMap((m) => draws.map((t, i) => ({ t, p: probability[i][m], m: names[m] }))) }],
@@ -102,7 +102,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     const moves = Object.entries(run.summary.diagnostics.acceptance?.moves || {}).filter(([, m]) => m && m.proposed > 0);
     if (!moves.length) return [];
     return [{
-      id: 'acceptance', section: 'sampling', wide: true, title: 'Acceptance of each kind of move', caption: 'The share of accepted proposals.',
+      id: 'acceptance', section: 'sampling', wide: true, title: 'Acceptance of each kind of move', caption: 'The fraction of accepted proposals.',
       table: () => ({ head: ['move', 'proposed', 'accepted', 'rate'], rows: moves.map(([n, m]) => [n, m.proposed, m.accepted, m.rate]) }),
       spec: (width, theme) => frame(width, 22 * moves.length, theme, {
         data: [{ name: 'm', values: moves.map(([name, m]) => ({ name, rate: m.rate, label: percent(m.rate) })) }],

@@ -84,7 +84,7 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
         std::max<std::size_t>(1, summary.at("beam").value("elements", std::size_t{1}));
     const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
     const Bins bx{0.0, length / static_cast<double>(along), along};
-    // The axis of a share extends from zero to a round number above the largest value.
+    // The axis of a fraction extends from zero to a round number above the largest value.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
     const double bottom = share ? 0.0 : low;
     const Bins by{bottom, top > bottom ? (top - bottom) / 50.0 : 1.0, 50};

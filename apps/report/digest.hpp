@@ -15,7 +15,8 @@ namespace wheeltap::apps {
 /// - log_posterior: every n-th draw, per chain.
 /// - parameters: per model with P >= 0.5 %: histogram, prior density, thinned history per chain.
 /// - pairs: joint histograms of up to six parameters per model with P >= 0.5 %.
-/// - joint: histograms of location and severity per kind of defect, for all and for each count.
+/// - joint: histograms of location and severity per kind of defect, for all counts together and for
+/// each count.
 /// - predictive: quantiles of the replicated frequencies.
 /// - responses: for each response channel, data and 95 % band of replicated data over time,
 ///   spectra, frequency response functions for the excitations, autocorrelation of the residuals.

@@ -31,7 +31,7 @@ struct Bins {
 
 /// Returns a number of bins proportional to the cube root of the number of draws, as in the rule of
 /// Freedman & Diaconis (1981). The bins are narrower than in the rule, because posteriors often
-/// have several narrow modes.
+/// have several narrow peaks.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Returns n bins over the range of the draws; one bin if all draws are equal.
@@ -80,7 +80,7 @@ class StoredDraws {
   [[nodiscard]] std::size_t step() const { return step_; }
   /// The number of draws of each chain in the run.
   [[nodiscard]] std::size_t all_draws() const { return all_draws_; }
-  /// The number (from 1) of the i-th stored draw among all draws of its chain.
+  /// The index (from 1) of the i-th stored draw among all draws of its chain.
   [[nodiscard]] std::size_t number(std::size_t i) const { return i * step_ + 1; }
   [[nodiscard]] std::size_t model(std::size_t at) const { return model_[at]; }
   /// The weight of a draw; the average weight is 1.
@@ -105,8 +105,9 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// time, spectra, frequency response functions for the excitations, autocorrelation of the
 /// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
-/// Returns extension, rate and tension of each link at the draw of highest posterior density, and
-/// its tension from data, thinned. The result is empty if the run did not store the series.
+/// Returns thinned time histories of each link: extension, rate and tension at the draw of highest
+/// posterior density, and the tension from the data. The result is empty if the run did not store
+/// the series.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

@@ -22,7 +22,7 @@ double order_statistic(const inference::Prior& prior, double x, int i, int n) {
   return choose * std::pow(f, i - 1) * std::pow(1.0 - f, n - i) * density(prior, x);
 }
 
-// The prior at this place of the case; empty if it is not a single prior.
+// The prior at this location in the case; empty if it is not a single prior.
 std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::string& pointer) {
   if (pointer.empty()) return {};
   try {
@@ -102,7 +102,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
       x_list.push_back(compact(x, bins.width));
       p_list.push_back(compact(p));
     }
-    // The area common to posterior and prior density: 1 if the data have no information.
+    // The overlap of the posterior and prior densities: 1 if the data contain no information.
     double overlap = 0.0;
     for (std::size_t b = 0; b < bins.n; ++b) {
       const double x = bins.from + (static_cast<double>(b) + 0.5) * bins.width;
@@ -140,7 +140,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       Report one = one_parameter(posterior, series, m, all, stated);
       if (one.is_null()) continue;
       list.push_back(std::move(one));
-      // Omit a constant from pairs (for example, a damage that is always on one member).
+      // Omit a constant unknown from the pairs (for example, if all damages are on one member).
       const auto [low, high] = std::ranges::minmax(all);
       if (labels.size() < kMostPairs && low < high) {
         labels.push_back(series.label);

@@ -33,7 +33,7 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
     const auto [low, high] = std::ranges::minmax(one.values);
     if (one.values.size() == samples && high > low) out.push_back(std::move(one));
   }
-  // Omit a base displacement if the base acceleration exists: both are the same motion.
+  // Omit a base displacement if the base acceleration exists: both describe the same motion.
   if (std::ranges::any_of(out, [](const Driver& d) { return d.role == "base acceleration"; })) {
     std::erase_if(out, [](const Driver& d) { return d.role == "base displacement"; });
   }

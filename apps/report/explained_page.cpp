@@ -35,8 +35,9 @@ std::string element_chart(const Report& defect) {
   const std::string name = defect.at("name").get<std::string>();
   const std::string site = defect.at("site").get<std::string>();
   const bool elements = site == "beam" || site == "member";
-  return plot.framed("place of the " + name + ", if it is the cause", elements ? "element" : site,
-                     "probability", "<path class=\"line\" d=\"" + path + "\"/>\n");
+  return plot.framed("location of the " + name + ", if it is the cause",
+                     elements ? "element" : site, "probability",
+                     "<path class=\"line\" d=\"" + path + "\"/>\n");
 }
 
 }  // namespace

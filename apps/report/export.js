@@ -31,7 +31,7 @@ const exporting = (() => {
   // The byte order mark tells a spreadsheet that the text is UTF-8.
   const saveCsv = (title, rows) => save(named(title, 'csv'), `\uFEFF${csv(rows)}`, 'text/csv;charset=utf-8');
 
-  // Runs `work` while the page has its light colours.
+  // Runs `work` with the page in its light colours.
   const inLight = (work) => {
     const root = document.documentElement, before = root.className;
     root.classList.add('light');
@@ -44,7 +44,7 @@ const exporting = (() => {
   const styles = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-opacity', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin',
     'vector-effect', 'opacity', 'visibility', 'display'];
   const textStyles = ['font-family', 'font-size', 'font-weight', 'font-style', 'text-anchor', 'dominant-baseline'];
-  // A drawing of the page as a file of its own, with the styles that the page gives it, in light colours on white.
+  // A drawing of the page as a separate file, with the styles of the page, in light colours on white.
   const svgOf = (picture) => inLight(() => {
     const copy = picture.cloneNode(true), box = picture.viewBox.baseVal, seen = picture.getBoundingClientRect();
     const scale = box?.width ? Math.min(seen.width / box.width, seen.height / box.height) || 1 : 1; // as the page shows it

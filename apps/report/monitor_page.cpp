@@ -260,8 +260,9 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
          single_chart(t.time, t.statistic, "ln S", unit, std::min(low, 0.0),
                       std::max(high, threshold + 1.0), marks, threshold) +
          "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms. Some rows "
-         "after an alarm, the change is accepted: the statistic begins anew, and P(changed) keeps "
-         "the accepted change.</p>\n";
+         "after an alarm, the change is accepted: the statistic restarts, and P(changed) still "
+         "includes the accepted "
+         "change.</p>\n";
   if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
       "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % prediction interval without "

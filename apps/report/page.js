@@ -20,7 +20,7 @@
   const plain = (cell) => (cell && typeof cell === 'object' && 'value' in cell ? cell.value : cell);
   const shown = (x) => (x && typeof x === 'object' && 'text' in x ? x.text : typeof x === 'number' ? (Number.isInteger(x) ? String(x) : number(x, 4)) : x === null || x === undefined ? '–' : String(x));
 
-  // Values keep all their digits in data-value and in what is copied.
+  // Values keep all their digits in data-value and in copied tables.
   function table({ head, rows, caption }) {
     // Columns with text are left-aligned.
     const words = head.map((_, i) => rows.some((row) => typeof plain(row[i]) === 'string'));
@@ -153,7 +153,7 @@
   // A sentence without line breaks within "--warmup".
   const prose = (text) => String(text).split(/(--[a-z][a-z-]*)/).map((part, i) => (i % 2 ? element('code', { class: 'option' }, part) : part));
 
-  // Intervals of each parameter from white residuals and between windows, and the one to use.
+  // Intervals of each parameter, from the likelihood with white residuals and from windows, and the interval to use.
   const windowRows = (rows, unknowns) => {
     const windowed = Object.entries(rows).filter(([, r]) => r.between_windows);
     if (!windowed.length) return null;
@@ -231,7 +231,7 @@
     if (!rows.length && !error) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     const table = copyable({ head: ['parameter', 'prior', '2.5 %', '50 %', '97.5 %', 'contracted by'],
-      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: the data have no information about the value; 100 %: the prior has no effect' });
+      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: the data contain no information about the value; 100 %: the prior has no effect' });
     return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [table] : []),
       element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
   }
@@ -262,7 +262,7 @@
   function runSections() {
     const d = summary.diagnostics;
     const warnings = d.warnings || [];
-    const several = summary.models.length > 1; // one needs no comparison
+    const several = summary.models.length > 1; // a single model needs no comparison
     const p = summary.data?.posterior_predictive_p;
     section('warnings', 'Convergence and warnings', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
@@ -311,7 +311,7 @@
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
       return [element('section', { class: 'model', 'aria-label': model }, ...out)];
     });
-    section('parameters', 'Parameters', 'Posterior and prior. A posterior that repeats its prior is not a result.', ...baselineTable(), ...perModel);
+    section('parameters', 'Parameters', 'Posterior and prior. A posterior that equals its prior is not a result.', ...baselineTable(), ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
     const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of the quantities that all models share, and of the parameters within each model' }) : null;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDiagramWidth = 640.0, kDiagramMargin = 46.0;
 
-/// Maps places [m] to the drawing; structures in space are seen obliquely from above.
+/// Maps locations [m] to the drawing; three-dimensional structures are seen obliquely from above.
 class View {
  public:
   explicit View(const Report& plan) : space_(plan.at("drawing").at("dimension").get<int>() == 3) {
@@ -60,7 +60,7 @@ std::string severity_of(const Report& plan, std::size_t i) {
   return plan.at("detection_map")[i].at("severity").get<std::string>();
 }
 
-/// Shade of a place: dark if a small severity is detectable, light if no severity is detectable.
+/// Shade of a location: dark if a small severity is detectable, light if no severity is detectable.
 std::string shade(double share) {
   return " class=\"cell\" fill-opacity=\"" + fixed(0.12 + 0.88 * share, 2) + "\"";
 }
@@ -167,7 +167,7 @@ std::string curve_along(const Report& plan) {
          "detected.</p>\n";
 }
 
-/// Chart of P(detected) against severity at the easiest, a typical and the hardest place.
+/// Chart of P(detected) against severity at the easiest, a typical and the hardest location.
 std::string detection_curves(const Report& plan) {
   const Report& map = plan.at("detection_map");
   if (map.empty()) return {};

@@ -109,7 +109,7 @@ Report read_summary(const fs::path& directory) {
     throw FileError(FileError::Kind::foreign, path,
                     "has no " + what + ": not the summary of a wheeltap run");
   };
-  // Charts have one bin per element. No beam of a case has nearly as many elements.
+  // Charts have one bin per element. Beams of valid cases have far fewer elements.
   constexpr double kMostElements = 1e5;
   const bool sweep = summary.is_object() && summary.contains("sweep");
   const auto need = [&](const std::string& key, Report::value_t type) {

@@ -1,5 +1,5 @@
-// Animation of a structure in one of its modes; drawings in space can be rotated. A measured mode has a quadrature part,
-// a quarter of a period ahead.
+// Animation of a mode of a structure; three-dimensional drawings can be rotated. A measured mode also has a quadrature
+// part, which leads by a quarter of a period.
 const shapeView = (() => {
   const svg = (name, attributes) => {
     const node = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -42,7 +42,7 @@ const shapeView = (() => {
     };
     const step = (time) => {
       if (!playing) return;
-      phase = (time / 1000) * Math.PI; // half a period per second for every frequency
+      phase = (time / 1000) * Math.PI; // half a period per second, whatever the frequency
       show();
       frame = requestAnimationFrame(step);
     };

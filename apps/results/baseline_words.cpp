@@ -38,7 +38,7 @@ std::string model_error_in_words(const DamageFindings& findings) {
   for (const auto& [name, words] :
        {std::pair{"discrepancy", "frequencies "},
         {"shape_discrepancy", "components of mode shapes "},
-        {"stiffness_discrepancy", "stiffnesses of the structure's parts "}}) {
+        {"stiffness_discrepancy", "stiffnesses of members or links "}}) {
     const auto p = std::ranges::find(model->parameters, name,
                                      [](const ParameterFinding& f) { return f.unknown.name; });
     if (p == model->parameters.end()) continue;
@@ -60,7 +60,8 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
     if (c.at_prior()) unmoved.push_back(c.name);
   if (!unmoved.empty())
     out.push_back(
-        "The data leave " + in_words(unmoved) + " of the intact structure at " +
+        "The data contain almost no information about " + in_words(unmoved) +
+        " of the intact structure beyond " +
         (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
         " assumed, not measured.");
   for (const Contraction& c : b.contractions)

@@ -92,7 +92,7 @@ void print_defects(const Page& page, const DamageCase& damage_case,
   page.table(rows);
 }
 
-// Prints the places of a structure at which at least 0.1 defects are expected.
+// Prints the locations on a structure at which at least 0.1 defects are expected.
 void print_places(const Page& page, const DamageCase& damage_case, const DamageFindings& findings) {
   std::vector<std::vector<std::string>> rows = {
       {"", "on", "expected", "location", "95 % interval", "severity", "95 % interval"}};
@@ -161,13 +161,14 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
       "", "  ");
   if (!e.check) return;
   const auto& at = e.check->error_to_noise[static_cast<std::size_t>(e.check->worst_mode - 1)];
-  page.wrapped(
-      "Check of " + std::to_string(e.check->draws) + " draws with the FE solution: error up to " +
-          significant(at.rms, 2) + " times noise sd (mode " + std::to_string(e.check->worst_mode) +
-          "), effective share of the weighted draws " + percent(e.check->effective_share) + ". " +
-          (e.check->answer_moved() ? "The emulator error changed the results: see below."
-                                   : "The emulator error did not change the results."),
-      "", "  ");
+  page.wrapped("Check of " + std::to_string(e.check->draws) +
+                   " draws with the FE solution: error up to " + significant(at.rms, 2) +
+                   " times noise sd (mode " + std::to_string(e.check->worst_mode) +
+                   "), effective fraction of the weighted draws " +
+                   percent(e.check->effective_share) + ". " +
+                   (e.check->answer_moved() ? "The emulator error changed the results: see below."
+                                            : "The emulator error did not change the results."),
+               "", "  ");
 }
 
 }  // namespace

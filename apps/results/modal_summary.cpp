@@ -80,7 +80,7 @@ Report spectrum_json(const SetUp& set_up, const ModalResult& result) {
   return {{"frequencies_hz", frequencies}, {"level_db", level}};
 }
 
-/// Reading of the record: units of its channels, sampling, layout of its text.
+/// Interpretation of the record: units of its channels, sampling, layout of its text.
 Report record_json(const SetUp& set_up) {
   Report channels = Report::array();
   for (std::size_t i = 0; i < set_up.channels.size(); ++i) {

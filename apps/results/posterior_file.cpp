@@ -43,8 +43,9 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
     const int weight = put(0.0, "weight", [&](const Chain& c, std::size_t i) {
       return of_model[static_cast<std::size_t>(c.model[i])];
     });
-    file.text(group, weight, "description",
-              "weight of a draw in averages over models, which were sampled evenly; mean weight 1");
+    file.text(
+        group, weight, "description",
+        "weight of a draw in averages over models (sampled with equal probability); mean weight 1");
   }
   put(
       0, "accepted", [](const Chain& c, std::size_t i) { return static_cast<int>(c.accepted[i]); },
@@ -53,7 +54,8 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 
 namespace {
 
-// The variable of a parameter that all models have: the parameter's name, unless it is in use.
+// The variable of a parameter that all models have: named like the parameter, unless this name is
+// in use.
 std::string common_variable(const std::string& name) {
   static const std::set<std::string> taken = {
       "model", "k",    "chain",        "draw",  "slot", "location", "reduction", "member",

@@ -93,7 +93,7 @@ void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
   }
 }
 
-/// Writes the motion of the links at the best draw of a model, if this motion is known.
+/// Writes the motion of the links at a model's draw of highest density, if this motion is known.
 void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
                       const inference::Posterior& posterior, int model) {
   const auto draw = best_draw(problem, posterior, model);

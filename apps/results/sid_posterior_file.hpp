@@ -15,10 +15,10 @@ namespace wheeltap::apps {
 
 /// Writes the contents of posterior.nc (NetCDF-4). Groups:
 /// - posterior: one variable per parameter (chain, draw), NaN in draws of models without the
-///   parameter; model: the number of the model.
+///   parameter; model: the index of the model.
 /// - sample_stats: as in posterior_file.hpp.
 /// - posterior_predictive: one variable per response (chain, draw, sample): predictions plus noise
-///   (seed `seed`) for the draws of `predictive`; draw_index has the numbers of these draws.
+///   (seed `seed`) for the draws of `predictive`; draw_index has the indices of these draws.
 /// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % quantiles of the
 ///   predictions without noise, over the same draws.
 /// - link_paths: extension, rate and tension of each link (sample) of the most probable model at

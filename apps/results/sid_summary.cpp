@@ -51,7 +51,7 @@ Report json(const std::vector<LinkCurve>& links) {
   return rows;
 }
 
-/// Returns {model: value(finding, m), …} for models with draws that are described in full.
+/// Returns {model: value(finding, m), …} for models that have draws and are described in full.
 template <class Value>
 Report of_drawn(const SidFindings& findings, const Value& value) {
   Report out = Report::object();

@@ -145,7 +145,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
     print_modes(page, findings.of_models[m]->modes);
     print_fits(page, findings.of_models[m]->at_mean);
   }
-  out << "\nThe " << percent(sid_case.band) << " predictive band holds ";
+  out << "\nThe " << percent(sid_case.band) << " predictive band contains ";
   const auto responses = sid_case.responses();
   for (std::size_t c = 0; c < responses.size(); ++c) {
     out << (c == 0 ? "" : ", ") << fixed(100.0 * findings.coverage[c], 1) << " % of "

@@ -50,8 +50,8 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// Returns the text of the finished run in `folder`; empty unless the run is complete and has the
-/// same version, case, contents of input files, seed and options (in /wheeltap/KEY). Throws
+/// Returns the text of the finished run in `folder`. The result is empty if the run is incomplete,
+/// or if version, case, contents of input files, seed or options (in /wheeltap/KEY) differ. Throws
 /// io::FileError if a file does not belong to the run.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
                                                       const CaseFile& file, std::uint64_t seed,

@@ -22,7 +22,7 @@ using identification::drawn;
 [[nodiscard]] std::string largest_motion(const StructureDrawing& drawing,
                                          const Eigen::VectorXd& shape);
 
-/// The motions of a node (mass, or named location) in a mode shape, by direction.
+/// The displacements of a node (mass, or named location) in a mode shape, by direction.
 struct NodeMotion {
   std::string node;
   std::vector<std::pair<std::string, double>> motions;

@@ -117,7 +117,7 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
   for (const ModelFinding& m : models) {
     const double p = m.probability();
     const bool known = std::isfinite(m.standing.mcse);
-    // Beside "< 0.1 %", an error of 1e-24 % is useless; the line below has the number.
+    // An error of 1e-24 % is useless after "< 0.1 %"; the line below has the exact value.
     const bool with_error = known && !(m.standing.basis == inference::Basis::evidence && p < 0.001);
     const std::string error = with_error ? shown_error(p, m.standing.mcse) : "";
     const std::string said = with_error               ? percent(p, m.standing.mcse)

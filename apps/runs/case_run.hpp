@@ -15,7 +15,7 @@
 namespace wheeltap::apps {
 
 /// A parsed case with the options of its run. `run_case` and Python call the steps in the order of
-/// their declaration; `serve` only prepares.
+/// their declaration; `serve` calls only the preparation.
 class CaseRun {
  public:
   CaseRun(const CommonOptions& common, const SamplingOptions& options)

@@ -34,12 +34,12 @@ class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";
 
-  /// With `resume`, reads an existing checkpoint. Throws io::FileError if the file is truncated or
-  /// damaged (corrupt), not a checkpoint (foreign), of another format (version) or of another run
-  /// (mismatch, with the difference). With `others_pass`, the checkpoint of another case is
-  /// ignored. If an input file has changed, a line on standard error names it and a new run begins.
-  /// Without `resume`, removes an existing checkpoint; throws io::FileError (unwritable) if the
-  /// file is not a checkpoint.
+  /// With `resume`, reads an existing checkpoint. Throws io::FileError: corrupt if the file is
+  /// truncated or damaged, foreign if it is not a checkpoint, version if it has another format,
+  /// mismatch (with the difference) if it belongs to another run. With `others_pass`, the
+  /// checkpoint of another case is ignored. If an input file has changed, a line on standard error
+  /// names it and a new run begins. Without `resume`, removes an existing checkpoint; throws
+  /// io::FileError (unwritable) if the file is not a checkpoint.
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 

@@ -74,7 +74,8 @@ class DamageRun final : public CaseRun {
   }
 
  private:
-  // Cost of the run. This first solution of the structure also reports states that do not fit it.
+  // Cost of the run. The first solution of the structure also reports states that are invalid for
+  // it.
   [[nodiscard]] RunCost explained_cost() const {
     try {
       return cost_of_damages(parsed_->damage, engine_options(common(), options()),
@@ -86,8 +87,8 @@ class DamageRun final : public CaseRun {
     }
   }
 
-  // Measures the run time of a likelihood, unless this requires an external model, the training of
-  // an emulator or a long preparation.
+  // Measures the run time of a likelihood evaluation. Omits the measurement if it requires an
+  // external model, the training of an emulator or a long preparation.
   RunCost measured(RunCost cost, RunWatch& watch) {
     constexpr double kLongPreparation = 20.0;  // seconds
     if (parsed_->outside || parsed_->damage.emulator || cost.preparation > kLongPreparation)

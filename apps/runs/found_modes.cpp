@@ -32,7 +32,8 @@ std::string sparkline(const Eigen::VectorXd& shape) {
   return text;
 }
 
-// Frequencies and nodal deflections of a beam whose true defects only structures support.
+// Frequencies and nodal deflections of a beam whose true defects are of types that only structures
+// support.
 fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
   const fem::StructureModes found = fem::structure_modes(true_structure(damage_case), wanted);
   const fem::Beam& beam = damage_case.beam;

@@ -38,7 +38,7 @@ void check_plan_case(const PlanCaseFile& parsed, int scenarios) {
                 "gives a standard deviation of " + percent(check.largest_cov) +
                     " for a frequency: must give at most " + percent(kLargestCov) +
                     "; plan a longer record");
-  // Expected number of false alarms in the tests of the intact structure, one of the models.
+  // Expected number of false alarms in the simulated tests of the intact model.
   const double alarms = parsed.plan.false_alarm * variation_tests(scenarios) / check.models;
   if (alarms < kFewestAlarms)
     file.refuse(Pointer("/plan/false_alarm"),

@@ -27,8 +27,8 @@ void print_estimate(const std::string& what, const RunCost& cost);
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common);
 
-/// Throws io::FileError (unwritable) if the existing results folder has too little free space,
-/// unless --max-disk is given. The space of existing checkpoint files counts as free.
+/// Throws io::FileError (unwritable) if --max-disk is not given and the existing results folder has
+/// too little free space. The space of existing checkpoint files counts as free.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
 /// Returns the time [s] spent on measuring the time of a likelihood evaluation: 0.5 s with

@@ -17,7 +17,7 @@ namespace {
 using io::AtomicFile;
 using io::FileError;
 
-// Bytes; no summary needs as much.
+// Bytes; every summary is shorter.
 constexpr std::size_t kRoom = 1 << 20;
 
 std::filesystem::path made(std::filesystem::path folder) {

@@ -30,7 +30,7 @@ bool is_one_of_several() {
   return size != nullptr && std::string(size) != "1";
 }
 
-// Loads the MPI module from the folder of the program, or from its installed place.
+// Loads the MPI module from the folder of the program, or from its installation folder.
 void* load_module() {
   std::error_code ignored;
   const std::filesystem::path here =

@@ -10,12 +10,13 @@
 
 namespace wheeltap::apps {
 
-/// Thrown on ranks other than 0 if rank 0 fails in work for all ranks. Rank 0 reports the error.
+/// Thrown on ranks other than 0 if rank 0 fails in work that it does for all ranks. Rank 0 reports
+/// the error.
 class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
 /// Otherwise, the class has no effect. Ranks other than the first print nothing on standard output
-/// and error, and use one thread each unless --threads is given.
+/// and error, and use one thread each by default.
 class JoinedRanks {
  public:
   /// Throws Failure (64) if there are other ranks and the module is missing.

@@ -9,9 +9,9 @@
 
 namespace wheeltap::apps {
 
-/// Extrapolates the time of the present stage from its elapsed time. For later stages, the estimate
-/// uses the shorter of two times per likelihood evaluation, in this stage and in the whole run,
-/// because this stage may have counted few evaluations so far.
+/// Extrapolates the time of the present stage from its elapsed time. For later stages, the time per
+/// likelihood evaluation is the smaller of two averages, over this stage and over the whole run,
+/// because this stage may have few evaluations so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound [s] of the time per likelihood evaluation in later stages; 0
@@ -19,7 +19,7 @@ class TimeLeft {
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {
-    /// Elapsed share of the run time, seconds / (seconds + left); 0: unknown
+    /// Elapsed fraction of the run time, seconds / (seconds + left); 0: unknown
     double fraction = 0.0;
     std::optional<double> left;  ///< remaining time [s]
   };
@@ -37,13 +37,13 @@ class TimeLeft {
 
   /// Returns the remaining time [s] at `seconds` after the start; empty without enough progress.
   std::optional<double> estimate(const inference::Options::Progress& progress, double seconds) {
-    // Smallest time [s] and smallest share of the stage for an estimate
+    // Smallest time [s] and smallest fraction of the stage for an estimate
     constexpr double kEnough = 1.0, kShare = 0.005;
     if (stage_ != progress.stage) {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      // Share of the stage that was done before; a resumed run starts above 0
+      // Fraction of the stage that was done before; a resumed run starts above 0
       share_before_ = progress.fraction;
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;

@@ -59,11 +59,12 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
   }
 }
 
-/// Warns of posteriors that pile up at a bound of the emulator's box and may extend beyond it.
+/// Warns of posteriors that pile up at a bound of the emulator's training domain and may extend
+/// beyond.
 void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
                      RunWatch& watch) {
   if (!problem.program()->emulator) return;
-  constexpr double kNear = 3.5, kShare = 0.01;  // bound (standard normal), share of draws
+  constexpr double kNear = 3.5, kShare = 0.01;  // bound (standard normal), fraction of draws
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   for (int p = 0; p < problem.structural; ++p) {
@@ -75,10 +76,10 @@ void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& p
         near += std::abs(prior.to_standard_normal(
                     chain.theta[i * width + static_cast<std::size_t>(p)])) > kNear;
     if (near > kShare * all)
-      watch.warn(
-          space.parameter_name(0, p) +
-          " piles up at a bound of the training domain, four standard deviations of the prior: "
-          "widen the prior");
+      watch.warn(space.parameter_name(0, p) +
+                 " piles up at a bound of the training domain, four standard deviations from the "
+                 "median of the prior: widen "
+                 "the prior");
   }
 }
 
@@ -101,7 +102,7 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
 }
 
 /// An update run. Call estimate() again after the training of the basis, which measures the time of
-/// a likelihood.
+/// a likelihood evaluation.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)

@@ -45,7 +45,7 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
 // Neighbouring damages counted as one: 1 damage 99 % and 2 damages 1 %."
 std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
                        std::size_t model) {
-  constexpr double kMost = 0.5;  // share of the model's draws
+  constexpr double kMost = 0.5;  // fraction of the model's draws
   std::string text;
   for (const MergedFinding& merged : findings.merged) {
     const auto k = static_cast<std::size_t>(merged.kind);
@@ -112,9 +112,9 @@ std::string how_bad(const DefectKind& kind, const Marginal& severity) {
          answer_interval(severity) + ")";
 }
 
-// Places of a structure with an expected number of at least 0.1 defects, largest first: "crack on
-// beam near 0.37 m (95 % interval 0.35 to 0.4 m; expected number 0.93), depth a/h 30 % (20 to
-// 40 %)".
+// Locations on a structure with an expected number of at least 0.1 defects, largest first: "crack
+// on beam near 0.37 m (95 % interval 0.35 to 0.4 m; expected number 0.93), depth a/h 30 % (20 to 40
+// %)".
 std::string places_in_structure(const DamageCase& damage_case, const DamageFindings& findings) {
   struct One {
     double expected;

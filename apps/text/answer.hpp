@@ -41,7 +41,7 @@ struct SweepRow {
   bool converged = false;
   bool explained = true;  ///< true if one of the models explains the data
 };
-/// Returns the most probable model of each range of the swept values.
+/// Returns the most probable model for each range of the swept values.
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);
 
 [[nodiscard]] Report json(const Answer& answer);

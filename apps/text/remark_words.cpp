@@ -52,7 +52,8 @@ class Speaker {
 
   std::string operator()(const remark::ImpossibleLikelihoods& r) const {
     return "The likelihood was NaN or infinite at " + grouped(r.places) + " of " +
-           grouped(r.evaluated) + " points: Wheeltap assigns zero likelihood to these points.";
+           grouped(r.evaluated) +
+           " parameter vectors: Wheeltap assigns zero likelihood to these vectors.";
   }
   std::string operator()(const remark::EvidenceFailed& r) const {
     const bool failed = r.why.kind == inference::EvidenceWarning::Kind::failed;
@@ -91,7 +92,7 @@ class Speaker {
         of = std::to_string(models.size()) + " models";
       loose.push_back(name + " under " + of + " (overlap " + said + ")");
     }
-    return "The posterior nearly equals the prior: the data have little information about " +
+    return "The posterior nearly equals the prior: the data contain little information about " +
            in_words(loose) +
            ". Such a posterior repeats the assumptions of the case; do not report it as a result.";
   }
@@ -244,7 +245,7 @@ class Speaker {
     std::vector<std::string> list;
     for (const auto& p : r.parameters)
       list.push_back("\"" + p.name + "\" = " + significant(p.value, 6) + " (" + p.prior + ")");
-    return "The priors exclude parameters of the true model, so that no run can find it: " +
+    return "The priors exclude parameters of the true model, so that the run cannot find it: " +
            in_words(list) + ". Are these values and priors in SI units?";
   }
   std::string operator()(const remark::ResponsesOutOfReach& r) const {

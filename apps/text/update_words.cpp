@@ -104,8 +104,8 @@ std::string one_solution(const UpdateFindings& findings, std::size_t which) {
          "): " + in_words(parts) + ".";
 }
 
-/// True if some modes may be spurious: at most a third have a shape that the model lacks, and the
-/// case does not allow for spurious modes ("doubt").
+/// True if some modes may be spurious: the model lacks the shapes of at most a third of the modes,
+/// and the case does not allow for spurious modes ("doubt").
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
   for (const ModeFinding& m : findings.modes) {
@@ -168,7 +168,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
   const auto unmoved = at_prior(findings);
   if (!unmoved.empty())
     out.push_back(
-        "The data leave " + named(unmoved) + " at " +
+        "The data contain almost no information about " + named(unmoved) + " beyond " +
         (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
         " assumed, not measured.");
   for (std::size_t i = 0; i < findings.entangled.size(); ++i) {
@@ -189,7 +189,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
     if (!single && !d.weights.empty()) directions.push_back(in_words(d));
   }
   if (!findings.untouched.empty()) {
-    std::string text = "The data have almost no information about " +
+    std::string text = "The data contain almost no information about " +
                        std::to_string(findings.untouched.size()) + " of " +
                        std::to_string(findings.contractions.size()) +
                        " directions in the parameter space (each parameter in units of its "
@@ -262,12 +262,13 @@ Answer answer(const UpdateFindings& findings) {
   out.caution = caution(findings);
   const std::size_t all = findings.contractions.size(), unmoved = at_prior(findings).size();
   const std::string numbers = std::to_string(findings.numbers) + " measured numbers";
-  out.headline =
-      unmoved == 0 ? "The " + numbers + " have information about every parameter."
-                   : "The " + numbers + " have information about " + std::to_string(all - unmoved) +
-                         " of the " + std::to_string(all) + " parameters; " +
-                         (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") + " at " +
-                         (unmoved == 1 ? "its prior." : "their priors.");
+  out.headline = unmoved == 0
+                     ? "The " + numbers + " contain information about every parameter."
+                     : "The " + numbers + " contain information about " +
+                           std::to_string(all - unmoved) + " of the " + std::to_string(all) +
+                           " parameters; " +
+                           (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") +
+                           " at " + (unmoved == 1 ? "its prior." : "their priors.");
   if (!findings.solutions.empty())
     out.headline = "The " + numbers + " allow " + std::to_string(findings.solutions.size()) +
                    " separate solutions, with probabilities of " +

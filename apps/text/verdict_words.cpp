@@ -13,7 +13,7 @@ constexpr std::size_t kNamed = 4;  // largest number of models that a sentence n
 
 const char* const kRunLonger = " Run longer (--warmup, --draws).";
 const char* const kSearchMore =
-    " Use more mode searches (--search) or longer chains (--warmup, --draws).";
+    " Use more searches for posterior modes (--search) or longer chains (--warmup, --draws).";
 
 // Advice on the options that help against a reason.
 const char* advice(const Reason& reason) {

@@ -32,9 +32,9 @@ figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 5), layout="constrained")
 wt.plot.models(result, ax=top)
 wt.plot.inclusion(result, ax=bottom)
 # %% [markdown]
-# The figure has two peaks, although there is one damage. The beam is symmetric: a damage at x and a damage at L - x (L
-# is the length of the beam) give the same frequencies, so no analysis of these data can distinguish the two locations.
-# The following code folds the locations about midspan, so that mirror images coincide:
+# The figure has two peaks, although there is one damage. The beam is symmetric. With the beam length L, a damage at x
+# and a damage at L - x give the same frequencies. No analysis of these data can therefore distinguish the two
+# locations. The following code folds the locations about midspan, so that mirror images coincide:
 # %%
 x = result.draws_of("location[1]", "1 damage")
 folded = np.minimum(x, 1.0 - x)
@@ -46,9 +46,10 @@ assert abs(folded.mean() - 0.095) < 0.02
 # %%
 wt.plot.pairs(result, "1 damage");
 # %% [markdown]
-# **How can a test distinguish the two locations?** Measure data that differ between the two locations: mode shapes,
-# frequencies with an added mass away from midspan ([several states](../states.md)), or frequencies with other supports.
-# Simulate the planned test before you carry it out. This example simulates the same beam with one clamped end:
+# **How can a test distinguish the two locations?** Measure data that depend on which of the two locations is damaged:
+# mode shapes, frequencies with an added mass away from midspan ([several states](../states.md)), or frequencies with
+# other supports. Simulate the planned test before you carry it out. This example simulates the same beam with one
+# clamped end:
 # %%
 clamped = {**case, "beam": {**case["beam"], "supports": "clamped-pinned"}}
 told = wt.damage(clamped, seed=1, warmup=2000, draws=2000)

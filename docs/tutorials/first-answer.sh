@@ -1,9 +1,9 @@
 # %% [markdown]
 # # First damage identification on the command line
 #
-# A damage lowers the natural frequencies of a beam. The more a mode bends the beam at the damage, the more its
-# frequency decreases. This tutorial needs only the program. Its five commands lead from ten frequencies to a location
-# for inspection.
+# A damage lowers the natural frequencies of a beam. The more a mode bends the beam at the damage, the more the
+# frequency of this mode decreases. This tutorial needs only the program. With five commands, it computes from ten
+# frequencies the location that you should inspect.
 #
 # `wheeltap init` writes a complete case and a page that explains each key of the case. The case in this tutorial is a
 # steel cantilever.
@@ -12,8 +12,8 @@ wheeltap init damage -o my-beam
 head -n 24 my-beam/damage.json
 # %% [markdown]
 # Before you search for damage, check whether the model agrees with the real beam. The next command prints the
-# frequencies of the model without damage. Compare them with measured frequencies of the undamaged beam, if you have
-# them. If the frequencies of the model are wrong by 2 %, Wheeltap attributes this error to damage.
+# frequencies of the model without damage. Compare these frequencies with measured frequencies of the undamaged beam, if
+# available. If the frequencies of the model are wrong by 2 %, Wheeltap attributes this error to damage.
 # %%
 wheeltap modes my-beam/damage.json --modes 5
 # %% [markdown]
@@ -22,10 +22,10 @@ wheeltap modes my-beam/damage.json --modes 5
 # %%
 wheeltap damage my-beam/damage.json -o results/my-beam --seed 1 --quiet
 # %% [markdown]
-# The first lines are the result: the number of damages with its probability, and the location and severity of each
-# damage with 95 % intervals. Warnings follow. The last lines show whether the run has converged (`Converged`). They
-# also state the resolution: the run may have missed a solution that the searches reach only from a small share of the
-# prior.
+# The first lines of the output state the result: the number of damages with its probability, and the location and
+# severity of each damage with 95 % intervals. Warnings follow. The last lines show whether the run has converged
+# (`Converged`). The last lines also state the resolution: the run may have missed a solution that the searches reach
+# only from a small part of the prior.
 #
 # The folder contains all results: the report `report.html`, all numbers in `summary.json`, and all draws in
 # `posterior.nc`.
@@ -40,9 +40,9 @@ wheeltap simulate my-beam/damage.json -o my-beam/feared.json --set 'data={"modes
   --set 'damage.truth=[{"location": 0.5, "reduction": 0.05, "extent": 0.03}]'
 wheeltap damage my-beam/feared.json -o results/feared --seed 1 --quiet | head -n 12
 # %% [markdown]
-# Read the probability of no damage. If this probability is not small, such data cannot exclude a damage of this size: a
-# result of "no damage" proves little. Measure more modes, or measure the modes more accurately. A longer run does not
-# add information.
+# Read the probability of no damage. If this probability is not small, such data cannot exclude a damage of this size,
+# and a result "no damage" does not show that the beam is intact. Measure more modes, or measure the modes more
+# accurately. A longer run of the program does not add information.
 #
 # Next, enter your own beam and frequencies into `my-beam/damage.json`; the [guide](../guide.md) describes the keys.
 # Before you act on a result, read [how to read a report](../report.md).

@@ -13,7 +13,7 @@ sed -n '/"plan"/,$p' my-test/plan.json
 # - `sensors` lists the candidate sensors, and `choose` the number of sensors that the test uses.
 # - `seconds` and `damping` determine the standard deviations of the frequencies. `shape_sd` is the standard deviation
 #   of the components of the mode shapes.
-# - `masses` names a mass that a second part of the test may add to the frame.
+# - `masses` defines a mass that may be added to the frame in a second part of the test.
 # - `costs` gives the costs of the test, of a missed damage and of a false alarm in one currency.
 #
 # **Plan.** The next command simulates 10 000 tests for each of the best sensor layouts. The default is 100 000
@@ -21,10 +21,11 @@ sed -n '/"plan"/,$p' my-test/plan.json
 # %%
 wheeltap plan my-test/plan.json -o results/plan --scenarios 10000 --check 0 --quiet
 # %% [markdown]
-# The first sentence states the probability of detection and the probability of the right count and location, for
-# damages drawn from the prior. The sensors follow. Further sentences name the smallest detectable damage and the
-# locations between which the test cannot distinguish. The first table compares layouts. The second table compares
-# numbers of sensors, record lengths, numbers of modes and the added mass.
+# For damages drawn from the prior, the first sentence states the probability that the test detects the damage, and the
+# probability that the number and the location of damages are correct. The recommended sensors follow. Further sentences
+# name the smallest detectable damage, and the locations between which the test cannot distinguish. The first table
+# compares sensor layouts. The second table compares tests with other numbers of sensors, record lengths and numbers of
+# modes, and with the added mass.
 #
 # **Unknown stiffness.** The plan assumes that Young's modulus is known. In reality, Young's modulus in the model has an
 # error. Give Young's modulus a prior, in this example with a relative standard deviation of 3 %. A plan with an unknown
@@ -36,12 +37,12 @@ wheeltap plan my-test/unknown.json -o results/unknown --scenarios 10000 --check 
 # %% [markdown]
 # Compare the results of both plans for frequencies alone and for the recommended sensors. An unknown modulus changes
 # all frequencies by the same factor. A damage changes the ratios of the frequencies and the mode shapes, so a test with
-# sensors keeps most of its information.
+# sensors keeps most of its information about damage.
 #
-# **Rehearsal.** The plan writes a damage case for the recommended sensors. Its key `truth` simulates one test, with the
-# smallest detectable damage at the most difficult location. This case gives all frequencies the largest coefficient of
-# variation of any mode, so its data are less accurate than the planned test. Therefore this example uses a larger
-# damage, a stiffness reduction of 10 %:
+# **Rehearsal.** `wheeltap plan` writes a damage case for the recommended sensors. With the key `truth` of this case,
+# Wheeltap simulates one test, with the smallest detectable damage at the most difficult location. The case uses the
+# largest coefficient of variation of the planned modes for all frequencies, so the simulated data are less accurate
+# than the data of the planned test. Therefore this example uses a larger damage, a stiffness reduction of 10 %:
 # %%
 wheeltap damage results/plan/damage.json -o results/rehearsal --seed 1 --quiet \
   --set 'damage.truth.defects=[{"member": "left post", "location": 0.15, "reduction": 0.1}]' | head -n 24

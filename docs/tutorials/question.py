@@ -1,10 +1,10 @@
 # %% [markdown]
 # # User-defined models for the engine
 #
-# The engine that infers the number of damages also compares models of other phenomena. You define models with priors
-# and likelihoods. The engine returns the probability of each model, with its Monte Carlo error, and the draws. The data
-# in this example are readings of the length of a crack over load cycles. Does the crack grow at all? Is the growth rate
-# constant?
+# The reversible-jump sampler (the engine), which infers the number of damages, can also compare models of other
+# phenomena. You define models with priors and likelihoods. The engine returns the probability of each model, with its
+# Monte Carlo error, and the draws of the parameters. The data in this example are readings of the length of a crack
+# over load cycles. Does the crack grow at all? Is the growth rate constant?
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,9 +15,9 @@ cycles = np.linspace(0, 1, 15)                                    # millions
 random = np.random.default_rng(3)
 length = 2.0 + 0.3 * cycles + 0.5 * cycles**2 + 0.05 * random.standard_normal(15)    # mm
 # %% [markdown]
-# A likelihood function takes an array with one parameter vector in each row. The function returns one number for each
-# row: ln p(data | parameters), including all normalising constants. If possible, the engine passes many rows in one
-# call, so that NumPy computes with whole arrays.
+# The argument of a likelihood function is an array with one parameter vector in each row. The function returns one
+# number for each row: ln p(data | parameters), including all normalising constants. If possible, the engine passes many
+# rows in one call, so that NumPy computes with whole arrays.
 # %%
 def density(mean, noise):
     return (-0.5 * ((length - mean) / noise) ** 2 - np.log(noise * np.sqrt(2 * np.pi))).sum(axis=1)

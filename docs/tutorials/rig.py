@@ -42,11 +42,11 @@ for samples in (50, 100, 300, 500):
           f"  k: {k['q2.5']:.1f} to {k['q97.5']:.1f} N/m" if k else "")
 assert result.probabilities["duffing"] > 0.99
 # %% [markdown]
-# On average, one in twenty 95 % intervals does not contain the true value (here k = 50). The interval of k from 300
-# samples of this record is such a case.
+# On average, one in twenty 95 % intervals does not contain the true value. For example, the interval of k from 300
+# samples of this record does not contain the true value k = 50 N/m.
 #
-# The most probable model is only the best model of the list. Check whether this model explains the record before you
-# use its results. The band in the figure is the 95 % prediction interval, including noise.
+# The most probable model is only the best model of the list. Before you use the results, check whether this model
+# explains the record. The band in the figure is the 95 % prediction interval, including noise.
 # %%
 wt.plot.record(result)
 print("fit:", result.summary["fit"]["ok"])

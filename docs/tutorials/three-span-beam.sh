@@ -4,8 +4,8 @@
 # With two commands, this tutorial identifies the number, locations and severities of three damages from a public
 # record. The record is from the Third International Competition for Structural Health Monitoring (IC-SHM 2022). The
 # committee simulated the random vibration of a continuous beam with spans of 6, 10 and 6 m and 44 elements of 0.5 m.
-# The record contains five accelerations with noise, 500 s at 100 Hz. The excitation and Young's modulus are unknown.
-# The first natural frequency of the undamaged beam is known: 9.4367 Hz.
+# The record contains five acceleration channels with noise, of 500 s at a sampling rate of 100 Hz. The excitation and
+# Young's modulus are unknown. The first natural frequency of the undamaged beam is known: 9.4367 Hz.
 #
 # Copy the folder of the example. `README.md` in this folder states the source and the licence of the record.
 # %%
@@ -54,9 +54,9 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 # - Each reduction is close to 20 %. The intervals of the reductions are valid for a damage that covers exactly one
 #   element of 0.5 m.
 # - The baseline determines Young's modulus with a coefficient of variation of about 0.004 %.
-# - One warning concerns the largest number of damages: the run did not consider four damages. To include four damages,
-#   set `damage.count.max` to 4.
-# - The second-last line reports that the run converged.
+# - One warning concerns the largest number of damages: the run did not consider more than three damages. To include
+#   four damages, set `damage.count.max` to 4.
+# - The second-last line of the output reports that the run converged.
 #
 # ## All six records
 #
@@ -75,20 +75,21 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 # | 5 | three, above 99.9 % | 7, 22, 38 | 19.5 % (18.2 to 20.8 %), 20.6 % (20.0 to 21.1 %), 20.5 % (19.1 to 21.8 %) | 19.3, 20.1, 18.9 % |
 # | 6 | three, above 99.9 % | 7, 22, 38 | 40.9 % (40.1 to 41.6 %), 40.3 % (40.0 to 40.5 %), 40.1 % (39.3 to 40.8 %) | 39.7, 40.1, 40.3 % |
 #
-# The reductions in the table are those for the most probable number of damages. All six runs converged.
+# The table gives the reductions for the most probable number of damages. All six runs converged.
 #
-# - In all records, the most probable number of damages agrees with the result of the team, if the team's reductions
-#   below 2 % count as no damage.
+# - If the team's reductions below 2 % count as no damage, the most probable number of damages agrees with the result of
+#   the team in all records.
 # - The number of damages is certain only for the records 5 and 6. In record 4, two damages have a probability of 32 %.
 #   The data can hardly exclude a small second damage, because 44 elements are candidates and each number of damages has
 #   the same prior probability. In record 4, the most probable position of a second damage is the first element of the
-#   left span. It is next to the support, where a reduction hardly changes the modes. The expected number of damages in
-#   this element is 0.16.
+#   left span. This element is next to the support, where a reduction hardly changes the modes. The expected number of
+#   damages in this element is 0.16.
 # - Three of the team's ten reductions above 2 % are outside the intervals: element 22 of record 1 (9.7 %), element 38
 #   of record 5 (18.9 %) and element 7 of record 6 (39.7 %). The estimates of the team also have errors, and the true
-#   values are unknown. The predictive p-value of record 1 is 0.04; those of the other records are 0.15 or higher.
-# - The intervals include the errors of the identified modes. They include no model error, because the record was
-#   simulated with the same elements as those of the model. For a real beam, add `discrepancy` to `data`
+#   values are unknown. The posterior predictive p-value of record 1 is 0.04; the p-values of the other records are 0.15
+#   or higher.
+# - The intervals include the errors of the identified modes. The intervals include no model error, because the record
+#   was simulated with the same elements as those of the model. For a real beam, add `discrepancy` to `data`
 #   ([states](../states.md#model-error)).
 # - In the records 2 and 6, `wheeltap modal` lists the alias of the fifth mode near 39 Hz. The key `"modes": 4` excludes
 #   this alias.

@@ -15,7 +15,7 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 ///   ë = ë₀ - G T,   G = B M⁻¹ Bᵀ,   so that   G_ss T_s = ë₀_s - G_sg T_g
 ///
 /// for the sticking links s and the slipping links g. For the links with ė = 0, the stick-slip
-/// state follows from the tensions T that satisfy
+/// state follows from the tensions T, which satisfy
 ///
 ///   |T| < F, ë = 0   or   T = F, ë >= 0   or   T = -F, ë <= 0
 ///
@@ -23,7 +23,7 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// definite. The solver repeatedly changes the state of the first link that violates its condition,
 /// until all links satisfy their conditions. This least-index pivoting ends after finitely many
 /// changes (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking
-/// links, G is singular and the tensions are not unique. The links with the lowest numbers then
+/// links, G is singular and the tensions are not unique. The links with the lowest indices then
 /// carry the force.
 ///
 /// Links between the same two masses stick and slip together. The result of a SIMD lane does not
@@ -109,8 +109,8 @@ class Friction {
   /// not update the factorisation.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
-  /// Determines the state of the links at rest from the accelerations `free` without friction. Also
-  /// removes the residual rates of extension of sticking links from the velocities.
+  /// Determines whether the links `at_rest` stick or slip, from the accelerations `free` without
+  /// friction. Also removes the residual rates of extension of sticking links from `v`.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();
@@ -147,8 +147,8 @@ class Friction {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a slipping link, and for a sticking link whose rate follows from the rates of other
-      // links.
+      // 0 for a slipping link, and for a sticking link whose rate of extension follows from those
+      // of other links.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
       reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};

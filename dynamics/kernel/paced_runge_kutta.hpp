@@ -8,10 +8,10 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The scheme of RungeKutta for chains with force laws whose rate grows with the speed of the link
-/// (LawInfo::paced). No constant time step is suitable both near rest and in fast motion. Let s be
-/// the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum over the links of
-/// (rate per unit of speed) · (|ë| + largest change of the drive within a step). A time step τ is
-/// at most the sample interval divided by task.substeps, and satisfies
+/// (LawInfo::paced). For such chains, no constant time step is suitable both near rest and in fast
+/// motion. Let s be the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum
+/// over the links of (rate per unit of speed) · (|ë| + largest change of the drive within a step).
+/// A time step τ is at most the sample interval divided by task.substeps, and satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
@@ -80,12 +80,12 @@ class PacedRungeKutta {
   /// Product of rate and time step above which the scheme counts as unstable (exact limit on the
   /// negative real axis: 2.79).
   static constexpr double kUnstable = 2.5;
-  /// Largest number of friction events in a sample interval. After this number, links keep their
-  /// state (slip or stick) until the end of the interval.
+  /// Largest number of friction events in a sample interval. After this number of events, links
+  /// keep their state (slip or stick) until the end of the interval.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
-  static constexpr double kAtTurn = 1e-3;  // smallest distance of a turn from a step's ends [steps]
+  static constexpr double kAtTurn = 1e-3;  // least distance of a reversal from step ends [steps]
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -132,14 +132,14 @@ class PacedRungeKutta {
     for (int m = 0; m < task_.memories; ++m) to.q[m] = x.q[m] + tau * k.q[m];
   }
 
-  /// Advances from one sample to the next, with linear drives in between.
+  /// Advances from one sample to the next, with drives that are linear in between.
   [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
-    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample interval
+    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining fraction of the sample interval
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
-        V fast{};  // 1 if a motion exceeds the bound: shorter steps would not help
+        V fast{};  // 1 if a displacement exceeds the bound: shorter steps would not help
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i)
           fast = lanes::max(fast, outside(x.v[i] * task_.step, task_.bound));
@@ -276,8 +276,8 @@ class PacedRungeKutta {
 
   /// Shortens the step so that it ends at its first friction event. Bisection and false position
   /// (Illinois rule) locate the event to 1e-12 of a sample interval. Returns true if any lane has
-  /// an event. Writes to changes[link] the side to which the link breaks away, or 2 if the link
-  /// comes to rest.
+  /// an event. Writes to changes[link] the direction (±1) in which the link breaks away, 2 if the
+  /// link comes to rest, or 0.
   [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
                                        V left, V& part, State& end, V* changes) const {
     const V begin = 1.0 - left;

@@ -9,10 +9,10 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Integrates chains whose force laws are all springs beyond a threshold. A chain with such springs
 /// is linear between two switches. A sample interval without a switch uses the exact solution of
-/// the current regime. An interval with a switch uses Taylor series. A switch is detected by the
-/// sign of e - threshold at the end of the interval, or if the tangents of e - threshold at both
-/// ends cross zero. If the sample interval is long relative to the shortest natural period, all
-/// samples use Taylor series.
+/// the current regime. An interval with a switch uses Taylor series. A switch is detected if the
+/// sign of e - threshold has changed at the end of the interval, or if its tangents at both ends
+/// cross zero. If the sample interval is long relative to the shortest natural period, all
+/// intervals use Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:

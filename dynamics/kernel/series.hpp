@@ -119,7 +119,7 @@ class Series {
     const V piece = V{} + 1.0 / task_.substeps;
     V terms[kMaxDegree + 1][M], fresh[kMaxThresholds], root[kMaxThresholds];
     for (int i = 0; i < switches_; ++i) fresh[i] = V{};
-    V left = moving;  // remaining share of the sample interval
+    V left = moving;  // remaining fraction of the sample interval
     for (int pieces = 0; any(left); ++pieces) {
       const bool watching = pieces < task_.substeps + kMostSwitches;
       const V length = left > 1.000001 * piece ? piece : left;
@@ -166,7 +166,7 @@ class Series {
     }
   }
 
-  /// Writes the motions of the sensors at a sample to `output`; `v` is in units of the sample
+  /// Writes the sensor signals at a sample to `output`; the unit of time of `v` is the sample
   /// interval.
   WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* y, const V* v) const {
     const double rate = 1.0 / task_.step;
@@ -216,7 +216,7 @@ class Series {
   }
 
   /// Computes the coefficients of y_i(τ) = Σ terms[k][i] τᵏ from the equation of motion in the
-  /// regime of `sign_`. The time τ [sample intervals] begins when the share `left` of the sample
+  /// regime of `sign_`. The time τ [sample intervals] begins when the fraction `left` of the sample
   /// interval remains:
   ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
   /// with the powers of e by Cauchy products.

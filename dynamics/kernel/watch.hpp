@@ -9,8 +9,8 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 constexpr std::int64_t kSamplesBetweenChecks = 64;
-/// Interval between two checks [samples] for integration with adaptive time steps. Such integration
-/// needs many steps per sample, and the number of steps differs between lanes.
+/// Interval between two checks [samples] for integration with adaptive time steps. Adaptive
+/// integration needs many steps per sample, and the number of steps differs between lanes.
 constexpr std::int64_t kPacedSamplesBetweenChecks = 4;
 
 /// Adds a sample to the sums of squares, or stores the sample.

@@ -6,12 +6,12 @@
 //   tension(c, e, ė)         tension [N] for coefficients c[i], for any vector type V
 //   slopes(c, e_max)         largest slopes, for the choice of the time step
 // and, if they apply,
-//   feasible(c)              true if coefficients, each within its bounds, are feasible together
-//   kPower                   power of the extension: T = c[0] e², c[0] e³
+//   feasible(c)              true if coefficients within their bounds are feasible together
+//   kPower                   the power 2 or 3 of the extension: T = c[0] e² or T = c[0] e³
 //   threshold(c)             spring beyond a threshold: T_open = c[0] max(0, e - threshold)
 //   friction(c)              dry friction: the force at which the link slips
-//   kCreep                   dry friction: the coefficient which, as the constant 0, makes the law
-//                            exact instead of regularised
+//   kCreep                   dry friction: index of the creep speed; the law is exact if the creep
+//                            speed is the constant 0, and regularised for any other creep speed
 //
 // A force law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
 // memory_rate(c, e, ė, ζ) = ζ̇. A force law whose rates grow with |ė|, for example any force law

@@ -22,22 +22,22 @@ struct MotionRow {
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// Computes the row of w(x) or θ(x) from the element's shape functions; at nodes, the row is exact.
-/// A location within 1e-9 L of a node counts as this node. Throws std::invalid_argument if x is
+/// Computes the coefficients of w(x) or θ(x) from the element's shape functions; exact at nodes. A
+/// location within 1e-9 L of a node counts as this node. Throws std::invalid_argument if x is
 /// outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// Computes the share of each element's stiffness that remains after its reductions r: Π (1 - r).
-/// This product is accurate even if little stiffness remains; 1 minus the lost share would then
-/// have no correct digits.
+/// Computes the fraction of each element's stiffness that remains after its reductions r: Π (1 -
+/// r). This product is accurate even if little stiffness remains; 1 minus the lost fraction would
+/// then have no correct digits.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
 
-/// Returns the number of rigid-body motions that the supports of the beam and the added supports do
-/// not prevent: at most two (translation and rotation).
+/// Returns the number of rigid-body modes, at most two (translation and rotation), that the
+/// supports of the beam and the added supports do not prevent.
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
 /// The eigenvalue problem in the free degrees of freedom q, with u = T q. A rigid support N(x) · u
@@ -49,7 +49,7 @@ struct Assembly {
   Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;                 ///< Tᵀ M T, n × n
   Sparse free_to_all;          ///< T, 2 (elements + 1) × n
-  std::vector<int> free_dofs;  ///< degree of freedom in the mesh of each entry of q
+  std::vector<int> free_dofs;  ///< index, in the mesh, of each entry of q
 };
 
 /// Assembles the eigenvalue problem. Throws std::invalid_argument for an invalid beam, and for a

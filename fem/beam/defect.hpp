@@ -7,8 +7,8 @@
 namespace wheeltap::fem {
 
 /// A stiffness reduction: the element that contains `location` keeps 1 - `reduction` of its bending
-/// and shear stiffness. Two reductions r1, r2 in the same element leave the share (1 - r1)(1 - r2)
-/// of the stiffness.
+/// and shear stiffness. Two reductions r1, r2 in the same element leave the fraction (1 - r1)(1 -
+/// r2) of the stiffness.
 struct Damage {
   double location;   ///< x [m] in [0, L]
   double reduction;  ///< r [-] in [0, 1)

@@ -12,10 +12,10 @@
 
 namespace wheeltap::fem::detail {
 
-/// A damaged element changes K by -Γ c cᵀ for each of the two strains c of the element, where Γ is
-/// 1 - Π (1 - r). A support changes K by + k c cᵀ, that is Γ = -k, where c is the row of the
-/// restrained deflection or rotation. With all Γ in one diagonal matrix, the eigenvalues of the
-/// damaged beam solve
+/// A damaged element changes K by -Γ c cᵀ for each of its two strain-displacement vectors c, where
+/// Γ is 1 - Π (1 - r). A support changes K by + k c cᵀ, that is Γ = -k, where c is the row of the
+/// restrained deflection or rotation. With all c as columns of C and all Γ in a diagonal matrix,
+/// the eigenvalues of the damaged beam solve
 ///
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
@@ -43,8 +43,8 @@ class DefectColumns {
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
-  /// The smallest remaining share q of an element's stiffness. Eigenvalue i of the damaged beam is
-  /// at least q times intact eigenvalue i.
+  /// The smallest remaining fraction q of an element's stiffness. Eigenvalue i of the damaged beam
+  /// is at least q times eigenvalue i of the intact beam.
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² over the springs: an upper bound on the increase of any eigenvalue.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
@@ -62,12 +62,12 @@ class DefectColumns {
                        ///< near 1
   };
   [[nodiscard]] std::span<const Element> elements() const { return elements_; }
-  /// Index of the column of each listed support; -1 if the beam already restrains the motion at
-  /// this support.
+  /// Index of the column of each listed support; -1 if the beam already restrains the displacement
+  /// at this support.
   [[nodiscard]] std::span<const int> support_column() const { return support_column_; }
 
-  /// Replaces the forces η in the columns L⁻¹ C by Γ⁻¹ L⁻ᵀ η: the motion or strain cᵀφ of each
-  /// column c.
+  /// Replaces the forces η in the columns L⁻¹ C by Γ⁻¹ L⁻ᵀ η: the displacement or strain cᵀφ of
+  /// each column c.
   void strains(std::span<double> eta) const;
 
  private:
@@ -84,9 +84,9 @@ class DefectColumns {
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 for a rigid support
   std::vector<double> factor_;         // L, row-major, most_ entries per row
-  std::vector<double> springs_;  // entries of the springs for each support column, from 1/√k
-  std::vector<double> row_;      // scratch
-  std::size_t most_ = 0;         // largest possible number of columns
+  std::vector<double> springs_;        // spring components of each support column, from 1/√k
+  std::vector<double> row_;            // scratch
+  std::size_t most_ = 0;               // largest possible number of columns
   int support_columns_ = 0, damage_columns_ = 0, held_ = 0, rigid_ = 0;
   double least_remaining_ = 1.0, added_stiffness_ = 0.0, stiffest_spring_ = 0.0;
 };

@@ -7,7 +7,7 @@
 
 namespace wheeltap::fem {
 
-/// Every mode of the mesh: K φ = λ M φ, φᵀ M φ = 1.
+/// All modes of the finite-element model: K φ = λ M φ, φᵀ M φ = 1.
 struct FullSpectrum {
   using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -21,9 +21,9 @@ struct FullSpectrum {
 
 /// Computes all modes by `lowest_modes` in O(n²) operations. With long double alone, the
 /// eigenvectors of the low modes would have an error of 2⁻⁶⁴ λ_max / λ_j, for example 1e-8 for a
-/// beam on soft springs. The reanalysis would divide this error by the remaining share of the
+/// beam on soft springs. The reanalysis would divide this error by the remaining fraction of the
 /// stiffness. A fully restrained beam has no modes. Throws std::invalid_argument for an invalid
-/// beam, std::runtime_error if an iteration does not converge.
+/// beam, and std::runtime_error if an iteration does not converge.
 [[nodiscard]] FullSpectrum full_spectrum(const Beam& beam);
 
 }  // namespace wheeltap::fem

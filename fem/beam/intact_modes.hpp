@@ -13,7 +13,7 @@ struct IntactModes {
   Beam beam;
   TimoshenkoElement<double> element;
   int wanted;                       // largest number of modes that callers can request
-  int modes;                        // number n of all modes of the mesh
+  int modes;                        // number n of all modes of the FE model
   int rigid;                        // number of modes at λ = 0
   std::size_t stride;               // n, but at least two
   std::vector<double> eigenvalues;  // stride
@@ -33,7 +33,7 @@ struct IntactModes {
   /// Throws the same exceptions as the constructor of `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);
 
-  /// Returns the window for the sum in S, for this number of added supports.
+  /// Returns the window (near modes and series of S) for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
   /// Computes Σ_j a_j b_j / s_j, a compliance that is finite also for a beam with rigid-body modes.

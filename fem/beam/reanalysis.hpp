@@ -22,11 +22,11 @@ namespace wheeltap::fem {
 /// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
-/// `error_bound` bounds the rounding error. The only truncation error is that of a Chebyshev series
-/// for modes far above the requested ones, 1e-17. From a first-order initial value, a root needs on
-/// average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements. Initial
-/// values from a previous call, for example in a Markov chain, would save little time, and results
-/// would depend on earlier calls.
+/// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
+/// Chebyshev series for modes far above the requested ones. From a first-order estimate, the search
+/// for a root needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six.
+/// Initial values from a previous call, for example in a Markov chain, would save little time, and
+/// results would depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object; each
 /// thread needs a separate workspace.
@@ -42,7 +42,7 @@ class Reanalysis {
   Reanalysis(Reanalysis&&) noexcept;
   Reanalysis& operator=(Reanalysis&&) noexcept;
 
-  /// An observed motion: the deflection or rotation at one location.
+  /// An observed displacement: the deflection or rotation at one location.
   struct Point {
     double at;  ///< x [m] in [0, L]
     bool rotation = false;
@@ -63,8 +63,8 @@ class Reanalysis {
     std::span<double> shapes;
     std::span<const Point> points;  ///< locations at which shapes are requested
     /// n × supports: ∂f/∂k for the stiffness k of each listed support, with the other defects fixed
-    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support whose motion is already
-    /// restrained.
+    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support of a displacement that is
+    /// already restrained.
     std::span<double> support_gradients_hz = {};
   };
 
@@ -83,12 +83,12 @@ class Reanalysis {
   ///
   /// where k is the stiffness of the stiffest added spring, k_beam the stiffness of the beam at
   /// this spring, and λ_1 the lowest elastic eigenvalue of the intact beam. The most damaged
-  /// element keeps the share q = Π (1 - r) of its stiffness. The last term is relevant only in two
-  /// cases. In the first, added supports restrain a free beam, and compliances of hinges and soft
-  /// springs nearly cancel those of the supports. In the second, the number of modes of the mesh is
-  /// only slightly larger than the number of strains in damaged elements. The form of this error
-  /// bound follows from rounding analysis. The factors of the error bound are chosen such that it
-  /// holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// element keeps the fraction q = Π (1 - r) of its stiffness. The last term is relevant only in
+  /// two cases. In the first case, added supports restrain a free beam, and compliances of hinges
+  /// and soft springs nearly cancel those of the supports. In the second case, the finite-element
+  /// model has only slightly more modes than the damaged elements have strain-displacement vectors.
+  /// The form of this error bound follows from rounding analysis. The factors of the error bound
+  /// are chosen such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -113,7 +113,7 @@ class Reanalysis {
   ///
   /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
   /// equation 5), with γ = -k for a spring. The gradients take negligible additional run time. For
-  /// a multiple eigenvalue, the gradients are those of one basis of its modes. Throws
+  /// a multiple eigenvalue, the gradients are those of one basis of its eigenspace. Throws
   /// std::invalid_argument in the same cases as `frequencies_hz`, and if a span has the wrong size.
   /// Throws std::runtime_error if a mode shape cannot be separated from the others.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
@@ -124,10 +124,10 @@ class Reanalysis {
   /// locations. A damage covers a whole element. Frequencies are therefore piecewise constant in
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
   /// locations are the midpoints of the two neighbouring elements. For an element at an end of the
-  /// beam, they are the midpoints of this element and its neighbour. The slope is 0 for a beam of
-  /// one element. A support acts at a point. For a support, the two locations are 10⁻³ element
-  /// lengths before and behind the support, but not outside the beam. Throws the exceptions of
-  /// `solve`.
+  /// beam, the locations are the midpoints of this element and its neighbour. The slope is 0 for a
+  /// beam of one element. A support acts at a point. For a support, the two locations are 10⁻³
+  /// element lengths before and behind the support, but not outside the beam. Throws the exceptions
+  /// of `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

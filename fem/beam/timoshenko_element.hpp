@@ -39,9 +39,9 @@ class TimoshenkoElement {
   [[nodiscard]] Matrix stiffness() const {
     return bending() * bending().transpose() + shear() * shear().transpose();
   }
-  /// Row of the strain that belongs to a constant curvature: b = √(EI/l) (0, -1, 0, 1).
+  /// Strain-displacement vector of a constant curvature: b = √(EI/l) (0, -1, 0, 1).
   [[nodiscard]] Vector bending() const;
-  /// Row of the strain for a constant shear force: a = √(12 EI / (l³ (1 + Φ))) (1, l/2, -1, l/2).
+  /// Strain-displacement vector of a constant shear: a = √(12 EI / (l³ (1 + Φ))) (1, l/2, -1, l/2).
   [[nodiscard]] Vector shear() const;
   /// Mass matrix M = ρA ∫ N_wᵀ N_w dx + ρI ∫ N_θᵀ N_θ dx [kg, kg·m, kg·m²].
   [[nodiscard]] Matrix mass() const;

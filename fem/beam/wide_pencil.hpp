@@ -11,9 +11,9 @@
 
 namespace wheeltap::fem {
 
-/// Computes the rigid motions that the supports do not prevent, mass-normalised, one per column.
-/// The motions follow exactly from the geometry, and not from the null space of the rounded matrix
-/// K. The rows are all degrees of freedom of the mesh.
+/// Computes the rigid-body modes that the supports do not prevent, mass-normalised, one per column.
+/// The modes follow exactly from the geometry, and not from the null space of the rounded matrix K.
+/// Each row is a degree of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
@@ -28,7 +28,7 @@ class WidePencil {
   WidePencil(const Beam& beam, const Defects& defects);
 
   [[nodiscard]] int size() const { return ldlt_.size(); }
-  /// Returns the rigid motions in the free degrees of freedom.
+  /// Returns the rigid-body modes in the free degrees of freedom.
   [[nodiscard]] const std::vector<Vector>& rigid_modes() const { return rigid_; }
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
@@ -41,14 +41,14 @@ class WidePencil {
   [[nodiscard]] bool holds(int index, Real lambda, double error);
 
   /// Refines the approximate mode q by Rayleigh quotient iteration. On return, q is mass-normalised
-  /// and orthogonal to the rigid motions and to `others`. Returns the eigenvalue, or std::nullopt
-  /// if the iteration does not converge.
+  /// and orthogonal to the rigid-body modes and to `others`. Returns the eigenvalue, or
+  /// std::nullopt if the iteration does not converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// Returns the share of rigid-body motions in q, from 0 to 1, measured in the norm of M.
+  /// Returns the fraction of q, from 0 to 1 in the norm of M, that is rigid-body displacement.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
-  /// Returns u = T q, the motion of all degrees of freedom of the mesh.
+  /// Returns u = T q, the displacements of all degrees of freedom of the mesh.
   [[nodiscard]] Vector all_dofs(const Vector& q) const { return assembly_.free_to_all * q; }
 
  private:

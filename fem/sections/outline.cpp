@@ -114,10 +114,9 @@ Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   while (ring.size() > 1 && same(ring.back(), ring.front())) ring.pop_back();
   const auto exact = std::ranges::count_if(given, [&](const Point& p) { return p != given[0]; });
   if (ring.size() < 3 && exact > 2)
-    refuse_outline(
-        name,
-        "has corners within a billionth of the outline's size of each other: it keeps fewer than 3 "
-        "different corners, but a polygon has at least 3");
+    refuse_outline(name,
+                   "has corners closer together than a billionth of the outline's size: fewer than "
+                   "3 different corners remain, but a polygon has at least 3");
   if (ring.size() < 3)
     refuse_outline(name,
                    std::to_string(ring.size()) + " different corners: a polygon has at least 3");

@@ -62,7 +62,7 @@ struct OutlineError : std::invalid_argument {
 /// Checks an outline and returns it without repeated corners, with outer rings counter-clockwise
 /// and holes clockwise. Neighbouring corners of a ring within the tolerance kSameCorner are merged.
 /// Throws OutlineError, with the faulty part and the value, for
-/// - coordinates that are not finite, fewer than 3 corners, no area;
+/// - coordinates that are not finite, fewer than 3 corners, zero area;
 /// - a ring that crosses or touches itself, or a hole that leaves its region or meets another hole;
 /// - regions that overlap;
 /// - a modulus or density that is not positive, a Poisson's ratio outside (-1, 0.5].

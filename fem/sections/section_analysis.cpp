@@ -319,7 +319,7 @@ SectionProperties section_properties(const TriangleMesh& mesh, std::span<const R
   const int last = *std::ranges::max_element(mesh.regions);
   if (last >= static_cast<int>(regions.size()))
     throw std::invalid_argument("regions: there are " + std::to_string(regions.size()) +
-                                ", but a triangle has the number " + std::to_string(last));
+                                ", but a triangle has region index " + std::to_string(last));
   return Scaled(mesh, regions, reference_poisson).run();
 }
 

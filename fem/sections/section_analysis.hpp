@@ -1,5 +1,5 @@
-// Computation of the stiffnesses of a cross-section by finite elements for Saint-Venant torsion and
-// flexure.
+// Computation of section properties: a finite-element solution of Saint-Venant's torsion and
+// flexure problems of a cross-section.
 //
 // With y, z from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit vector j) for M = [∫e
 // y² ∫e yz; ∫e yz ∫e z²], find ω and the flexure functions ψ_y, ψ_z such that, for all v,

@@ -67,9 +67,8 @@ std::vector<Ring> joined_rings(const Outline& outline, double near) {
     for (const Eigen::Vector2d& p : ring) distinct.emplace(p.x(), p.y());
     if (distinct.size() < 3)
       throw std::invalid_argument(
-          "outline: a region or hole has all its corners within a billionth of the section's size "
-          "of "
-          "each other; remove it or correct its coordinates");
+          "outline: with corners within a billionth of the section's size merged, a region or hole "
+          "has fewer than 3 corners; remove it or correct its coordinates");
     Ring split;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];

@@ -38,9 +38,9 @@ struct DofName {
   std::string direction;
 };
 
-/// The eigenvalue problem K φ = λ M φ in the n free degrees of freedom, with K = Bᵀ D B + K_rest
-/// and the strains B. φᵀ K φ is computed as a sum of squares of strains, without cancellation. The
-/// product with the assembled matrix K suffers from cancellation for smooth shapes on fine meshes.
+/// The eigenvalue problem K φ = λ M φ in the n free degrees of freedom, K = Bᵀ D B + K_rest, B:
+/// `strains`. φᵀ K φ is computed as a sum of squares of strains, without cancellation. The product
+/// with the assembled K suffers from cancellation for smooth shapes on fine meshes.
 struct Discretisation {
   using Sparse = Eigen::SparseMatrix<double>;
 
@@ -52,7 +52,7 @@ struct Discretisation {
                                    ///< distinguished
   Sparse stiffness;                ///< K, n × n, both triangles
   Sparse mass;                     ///< M, n × n, positive semidefinite
-  Eigen::MatrixXd rigid_motions;   ///< n × r: strain-free motions, in any basis
+  Eigen::MatrixXd rigid_motions;   ///< n × r: any basis of the strain-free displacements
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
   /// Selects degrees of freedom whose restraint prevents all rigid motions. The number of these

@@ -26,12 +26,12 @@ namespace wheeltap::fem {
 /// have rounding errors.
 [[nodiscard]] double no_strain(const Discretisation& d);
 
-/// Names the degrees of freedom with the largest motion: "n2, y", "B, x and C, x". Translations
-/// precede rotations, and nodes precede locations within members.
+/// Names the degrees of freedom with the largest displacement: "n2, y", "B, x and C, x".
+/// Translations precede rotations, and nodes precede locations within members.
 [[nodiscard]] std::string motion_in_words(const Discretisation& d, const Eigen::VectorXd& motion);
 
-/// Throws InvalidStructure if the structure has mechanisms; the message names their motions and a
-/// remedy.
+/// Throws InvalidStructure if the structure has mechanisms; the message states where their motions
+/// are largest, and a remedy.
 void refuse_mechanisms(const Discretisation& d);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// Motions of the ends of an element along and about the axes of the element. Internal to the mesh.
+// Displacements of the ends of an element, in the axes of the element. Internal to the mesh.
 #pragma once
 
 #include <array>
@@ -31,16 +31,16 @@ class RowSum {
   std::map<int, double> terms_;
 };
 
-/// The six motions of a node, or of a boundary between elements.
+/// The six displacements and rotations of a node, or of a boundary between elements.
 using Motions = std::array<SparseRow, kDirections>;
-/// The motions [end][k]: translations along the member's own axis k, then rotations about these
-/// axes.
+/// The displacements of both ends, [end][k]: translations along the member's own axes (k = 0, 1,
+/// 2), then rotations about these axes (k = 3, 4, 5).
 using OwnMotions = std::array<std::array<SparseRow, 6>, 2>;
 
 [[nodiscard]] OwnMotions own_motions(const MemberFrame& frame, const Motions& first,
                                      const Motions& second);
-/// Returns the bending motions (w₁, w₁', w₂, w₂') of an element. For a deflection along z, w' =
-/// -θ_y; for a deflection along y, w' = θ_z.
+/// Returns the deflections and slopes (w₁, w₁', w₂, w₂') of an element. For a deflection along z,
+/// w' = -θ_y; for a deflection along y, w' = θ_z.
 [[nodiscard]] std::array<SparseRow, 4> plane_motions(const OwnMotions& own, bool along_z);
 
 }  // namespace wheeltap::fem::detail

@@ -11,18 +11,18 @@
 namespace wheeltap::fem {
 
 /// The strains of one element of a member: one for the axial force, one for the torque, and in each
-/// plane one for a constant moment and one for a constant shear force. An element of a plane
-/// structure has three strains, an element of a spatial structure six.
+/// plane one for a constant moment and one for a constant shear force. An element has three strains
+/// in a plane structure, and six in a three-dimensional structure.
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Returns the flexural properties of an element of this length: for a deflection along z with
-/// bending about y if `along_z` is true, otherwise for a deflection along y with bending about z.
+/// Returns the flexural properties of an element of this length, for a deflection along z (bending
+/// about y) if `along_z` is true, or along y (bending about z) if it is false.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 
-/// A meshed structure. The mesh provides the positions of the elements, and the motions of
-/// locations on the structure.
+/// A meshed structure. The mesh provides the positions of the elements, and the displacements of
+/// points of the structure.
 class Mesh {
  public:
   struct Element {
@@ -47,27 +47,27 @@ class Mesh {
   }
   [[nodiscard]] double member_length(int member) const;
 
-  /// Returns the element of a member that contains s [m]. Element e covers [s_e, s_{e+1}); the last
-  /// element includes its end. If the distance of s from a boundary is below 1e-9 times the
-  /// member's length, s counts as this boundary. Throws std::invalid_argument outside the member.
+  /// Returns the element that contains the position s [m] of a member. Element e covers [s_e,
+  /// s_{e+1}); the last element includes its end. A position within 1e-9 member lengths of a
+  /// boundary counts as this boundary. Throws std::invalid_argument outside the member.
   [[nodiscard]] int element_at(int member, double s) const;
 
-  /// Returns the motions (w₁, w₁', w₂, w₂') of the ends of an element, for a deflection along the z
-  /// axis or the y axis of the section.
+  /// Returns the deflections and slopes (w₁, w₁', w₂, w₂') at the ends of an element, for a
+  /// deflection along the z axis or the y axis of the section.
   [[nodiscard]] std::array<SparseRow, 4> bending_motions(int element, bool along_z) const;
 
-  /// Returns the strains of the rotational springs at a node: the springs of member ends that are
-  /// joined to the node with a finite stiffness, and the springs to ground.
+  /// Returns the indices of the strains of the rotational springs at a node: the springs of member
+  /// ends that are joined to the node with a finite stiffness, and the springs to ground.
   [[nodiscard]] const std::vector<int>& joint_strains(int node) const {
     return joint_strains_[static_cast<std::size_t>(node)];
   }
 
-  /// Returns the motion of a node as a row; the row is empty if the motion is restrained.
+  /// Returns the displacement of a node as a row; the row is empty if it is restrained.
   [[nodiscard]] const SparseRow& motion(int node, Direction direction) const;
-  /// Returns the motion of a location on a member along (or about) a global axis, computed by the
-  /// shape functions of the element.
+  /// Returns the displacement along (or the rotation about) a global axis at a point of a member,
+  /// computed with the shape functions of the element.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// Returns the motion of a location on a member along (or about) an arbitrary unit vector.
+  /// Returns the displacement along (or the rotation about) any unit vector at a point of a member.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
   /// Returns the x, y, z axes of a member in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {
@@ -81,7 +81,7 @@ class Mesh {
   std::vector<Element> elements_;
   std::vector<int> first_element_;
   std::vector<std::vector<int>> joint_strains_;  // one list per node
-  /// The six motions of each node, then of each boundary between elements.
+  /// The six displacements and rotations of each node, then of each boundary between elements.
   std::vector<std::array<SparseRow, kDirections>> node_motions_;
   std::vector<std::vector<std::array<SparseRow, kDirections>>> station_motions_;
   std::vector<MemberFrame> frames_;

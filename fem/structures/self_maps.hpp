@@ -8,8 +8,8 @@
 
 namespace wheeltap::fem {
 
-/// An isometry of the plane or of space that maps nodes to nodes and members to members. It depends
-/// only on the geometry. Natural frequencies show whether stiffness and mass are symmetric, too.
+/// An isometry (in two or three dimensions) that maps nodes to nodes and members to members: a
+/// symmetry of the geometry. Natural frequencies show whether stiffness and mass are symmetric.
 struct SelfMap {
   std::vector<int> node;       ///< image of node i
   std::vector<int> member;     ///< image of member i; for a chain, of link i

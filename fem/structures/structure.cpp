@@ -122,9 +122,9 @@ MemberFrame member_frame(const Structure& s, int member) {
   const double length = norm(along);
   const std::string who = "member \"" + m.name + "\": ";
   if (!(length > kNoLength * size(s)))
-    throw InvalidStructure(Part::members, member,
-                           who + "its ends at " + first.name + " and " + second.name +
-                               " are the same place: it has no length");
+    throw InvalidStructure(
+        Part::members, member,
+        who + "its ends at " + first.name + " and " + second.name + " coincide: it has no length");
   MemberFrame frame{.axes = {scaled(along, 1.0 / length), Vector3{}, Vector3{}}, .length = length};
   const Vector3& x = frame.axes[0];
   if (s.dimension == 2) {
@@ -136,8 +136,9 @@ MemberFrame member_frame(const Structure& s, int member) {
   if (norm(up) == 0.0) up = std::hypot(x[0], x[1]) > 1e-6 ? Vector3{0, 0, 1} : Vector3{0, 1, 0};
   const Vector3 y = cross(up, x);
   if (!(norm(y) > 1e-6 * norm(up)))
-    throw InvalidStructure(Part::members, member,
-                           who + "\"up\" runs along the member: its section has no direction");
+    throw InvalidStructure(
+        Part::members, member,
+        who + "\"up\" is parallel to the member: the axes of its section are undefined");
   frame.axes[1] = scaled(y, 1.0 / norm(y));
   frame.axes[2] = cross(x, frame.axes[1]);
   return frame;
@@ -195,7 +196,7 @@ void validate(const Structure& s) {
                                     s.nodes[index(spring.nodes[0])].at)) > kNoLength * size(s)))
       throw InvalidStructure(Part::springs, static_cast<int>(i),
                              ground ? "a spring to ground needs a direction"
-                                    : "its nodes are the same place: it needs a direction");
+                                    : "its nodes coincide: it needs a direction");
   }
 }
 

@@ -1,4 +1,4 @@
-// Structure definition: nodes, members, supports, springs and masses, in the plane or in space.
+// Structure definition: nodes, members, supports, springs and masses, in two or three dimensions.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace wheeltap::fem {
 
-/// The direction of a node's motion: along or about a global axis. A plane structure has the
+/// The direction of a node's displacement: along or about a global axis. A plane structure has the
 /// directions x, y and rz.
 enum class Direction { x, y, z, rx, ry, rz };
 inline constexpr int kDirections = 6;
@@ -30,11 +30,11 @@ struct MemberSection {
 
   double area = 0.0;              ///< A [m²]
   double second_moment_y = 0.0;   ///< I_y = ∫ z² dA [m⁴]: deflection along z
-  double second_moment_z = 0.0;   ///< I_z = ∫ y² dA [m⁴]: deflection along y; in space
-  double torsion_constant = 0.0;  ///< J [m⁴], in space
+  double second_moment_z = 0.0;   ///< I_z = ∫ y² dA [m⁴]: deflection along y; 3D only
+  double torsion_constant = 0.0;  ///< J [m⁴], three-dimensional only
   double shear_coefficient_z =
       kNoShear;  ///< κ_z [-]: shear stiffness κ_z G A along z; ∞: no shear deformation
-  double shear_coefficient_y = kNoShear;  ///< κ_y [-], in space
+  double shear_coefficient_y = kNoShear;  ///< κ_y [-], 3D only
   double depth = 0.0;                     ///< outer dimension along z [m], for cracks; 0 if unknown
 };
 
@@ -70,8 +70,8 @@ struct Member {
   int elements = 1;  ///< number of elements of equal length; ends of segments are additional
                      ///< boundaries
   std::vector<Piece> pieces = {};  ///< at least one segment
-  /// For structures in space: the z axis of the section is the component of `up` normal to the
-  /// member. `up` = 0 means global z, or global y if the member is parallel to z.
+  /// For three-dimensional structures: the z axis of the section is the component of `up` normal to
+  /// the member. `up` = 0 means global z, or global y if the member is parallel to z.
   Vector3 up = {};
   std::array<MemberEnd, 2> ends = {};
   double axial_force = 0.0;  ///< axial force N, positive in tension [N]: geometric stiffness N ∫
@@ -94,7 +94,7 @@ struct NodeMass {
 };
 
 /// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround). The spring
-/// acts along the line between the nodes, or on the difference of their motions in one direction.
+/// acts along the line between the nodes, or on their relative displacement in one direction.
 struct NodeSpring {
   static constexpr int kGround = -1;
   static constexpr int kAlong = -1;
@@ -120,10 +120,10 @@ struct Structure {
   std::vector<NodeSpring> springs = {};
   Mass mass = Mass::consistent;
   bool rotary_inertia = true;  ///< for consistent masses: true includes ρI
-  bool axial = true;           ///< for plane structures: true allows motion along x
+  bool axial = true;           ///< for plane structures: true allows displacements along x
 };
 
-/// Thrown for an invalid structure; holds the faulty part and the fault.
+/// Thrown for an invalid structure; holds the faulty part, with the reason as message.
 class InvalidStructure : public std::invalid_argument {
  public:
   enum class Part { whole, nodes, members, supports, masses, springs };
@@ -158,9 +158,9 @@ struct MemberFrame {
 [[nodiscard]] std::vector<double> element_boundaries(const Structure& structure, int member);
 
 /// Converts a beam to the equivalent plane structure. The structure lies along x from 0, deflects
-/// along y, and has no motion along x. The members of this structure extend between the supports of
-/// the beam and have the elements of the beam. `depth` is the depth of the section, for cracks.
-/// Throws std::invalid_argument for supports between nodes of the beam's mesh.
+/// along y, and has no motion along x. Each member extends from one support of the beam to the next
+/// and keeps the elements of the beam. `depth` is the depth of the section, for cracks. Throws
+/// std::invalid_argument for supports between nodes of the beam's mesh.
 [[nodiscard]] Structure as_structure(const Beam& beam, double depth = 0.0);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// Drawing of a structure as points and lines, with the motion of every point in a mode shape.
+// Drawing of a structure as points and lines, with the displacement of every point in a mode shape.
 #pragma once
 
 #include <array>
@@ -34,9 +34,9 @@ struct StructureDrawing {
   std::vector<DofName> names;           ///< one per degree of freedom
 };
 
-/// The matrices and the drawing of a structure. The degrees of freedom of a structure given by
-/// matrices have names but no positions; it has no drawing. A chain of masses is drawn as a
-/// vertical line, with a distance of one metre between masses; the masses move along x.
+/// The matrices and the drawing of a structure. A structure given by matrices has no drawing,
+/// because its degrees of freedom have no positions. A chain of masses is drawn as a vertical line,
+/// with a distance of one metre between masses; the masses move along x.
 struct DrawnStructure {
   Discretisation discretisation;
   StructureDrawing drawing;

@@ -23,7 +23,7 @@ struct EmulatorSpec {
       /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
       /// also applies to all further damages.
       sites;
-  /// Levels of the reduction, ascending; for scattered runs, two limits (empty: those of the prior)
+  /// Levels of the reduction, ascending; space-filling design: two limits (empty: prior limits)
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate over 1/(1-r) instead of the reduction r
   std::optional<double> accuracy;  ///< relative error of a frequency at which grid refinement ends
@@ -31,11 +31,11 @@ struct EmulatorSpec {
       /// Quantity in which ANOVA adds the effects of damages; empty: one table per damage count
       anova;
   std::vector<int>
-      /// For scattered designs: entry i is the number of runs for i + 1 damages. The last
+      /// For space-filling designs: entry i is the number of FE runs for i + 1 damages. The last
       /// entry also applies to all larger counts
       design_runs;
-  std::uint64_t design_seed = 1;           ///< seed of scattered designs
-  std::vector<std::filesystem::path> csv;  ///< runs of the user: file i has runs with i + 1 damages
+  std::uint64_t design_seed = 1;           ///< seed of space-filling designs
+  std::vector<std::filesystem::path> csv;  ///< user's training runs; file i: with i + 1 damages
   bool symmetrise = false;     ///< average predictions over damages and their mirror images
   bool emulator_error = true;  ///< add the measured emulator error to the noise
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution

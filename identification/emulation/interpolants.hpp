@@ -20,7 +20,7 @@ using InterpolantTypes = std::span<const emulator::InterpolantType* const>;
 [[nodiscard]] const emulator::InterpolantType* find_interpolant_type(
     std::string_view name, InterpolantTypes types = interpolant_types());
 
-/// Quoted names of the interpolants for grids or for scattered runs, as a list in words:
+/// Quoted names of the interpolants for grids or for space-filling designs, as a list in words:
 /// "multilinear", "cubic" and "monotone-cubic".
 [[nodiscard]] std::string interpolant_names(emulator::InterpolantType::Runs runs,
                                             InterpolantTypes types = interpolant_types());

@@ -8,7 +8,7 @@
 
 namespace wheeltap::identification {
 
-/// Thrown if all retries of an external model fail: without a response, or with a malformed one.
+/// Thrown if an external model gives no response, or a malformed response, in every attempt.
 class OutsideModelError : public std::runtime_error {
  public:
   enum class Kind {

@@ -1,4 +1,4 @@
-// A cache for the results of an expensive external model, within a run and between runs.
+// A cache for the results of an expensive external model, within and between program runs.
 #pragma once
 
 #include <atomic>
@@ -19,15 +19,15 @@ namespace wheeltap::identification {
 class RememberedModel final : public OutsideModel {
  public:
   /// Reads the stored results from the file `journal`; an empty path disables the journal.
-  /// `identity` identifies the model to which the results belong. Throws io::FileError with reason
-  /// foreign, mismatch, corrupt or unwritable.
+  /// `identity` identifies the model to which the results belong. Throws io::FileError with the
+  /// reason `foreign`, `mismatch`, `corrupt` or `unwritable`.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws io::FileError and the exceptions of the model; adds the number of stored results to the
-  /// messages of the latter.
+  /// Throws io::FileError and the exceptions of the model. The messages of the model's exceptions
+  /// also state the number of stored results.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;

@@ -25,9 +25,9 @@ struct BetweenWindows {
   /// Birge ratio: the standard deviation of the estimates between windows, divided by the posterior
   /// standard deviations within windows; with its p-value.
   inference::BirgeRatio scatter;
-  /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run
-  /// assumes that the residuals follow the likelihood. If scatters() is true, it is too narrow for
-  /// the variability between windows.
+  /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the whole
+  /// record assumes that the residuals follow the likelihood. If scatters() is true, this interval
+  /// is too narrow for the variability between windows.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit
   /// failed.

@@ -44,8 +44,8 @@ struct ParameterFinding {
   Marginal estimate;
   /// Results per window, if windows were requested
   std::optional<BetweenWindows> between_windows = {};
-  /// The overlap of posterior and prior, Σ min(posterior, prior) over 20 equally probable parts of
-  /// the prior: 1 if posterior and prior are equal. NaN if not computed.
+  /// The overlap of posterior and prior, Σ min(posterior, prior) over 20 prior intervals of equal
+  /// probability: 1 if posterior and prior are equal. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
   /// True if the posterior nearly equals the prior.

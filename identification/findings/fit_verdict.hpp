@@ -1,4 +1,4 @@
-// Diagnosis of whether a model explains the data. Every model is an approximation of the measured
+// Goodness of fit: does a model explain the data? Every model is an approximation of the measured
 // structure, so even the most probable model may have large residuals. If no model explains the
 // data, the report begins with this result.
 #pragma once
@@ -18,9 +18,9 @@ struct Unexplained {
   double r2;
 };
 /// Reason for a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
-/// the stated noise (predictive p). Its RMS is also not small: it exceeds `kSmallResidual` times
-/// the RMS of the response, or three times the residual of a chain of masses with free cubic
-/// springs.
+/// the stated noise (predictive p). In addition, the residual is not small: its RMS exceeds
+/// `kSmallResidual` times the RMS of the response, or three times the residual of a chain of masses
+/// with free cubic springs.
 struct NotNoise {
   std::string channel;
   double share;          ///< RMS of the residual divided by RMS of the response
@@ -39,7 +39,7 @@ struct WorseBeyond {
 /// allows.
 struct BeyondNoise {
   double p;                ///< posterior predictive p
-  std::vector<int> modes;  ///< modes (from 1) whose frequencies deviate by more than 3 sd
+  std::vector<int> modes;  ///< numbers of modes whose frequencies deviate by > 3 sd
   bool emulated;           ///< true if an emulator computes the predictions
   /// False if the log likelihoods of the Markov chains differ by more than the misfit. The chains
   /// may then have missed damages that explain the frequencies.
@@ -59,21 +59,21 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 /// Significance level of posterior predictive and portmanteau tests. Smaller p reject a model.
 inline constexpr double kMisfit = 1e-3;
 /// Largest RMS of a small residual, divided by the RMS of the response. The text of the report
-/// mentions a small residual that is not noise; its heading does not.
+/// mentions a small residual that is not noise; the heading does not.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
+/// Limit of a residual, relative to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// Diagnosis of the most probable model that explains the data and has a probability of at least 5
-/// %. If no model does, this is the diagnosis of the most probable model.
+/// Goodness of fit of the most probable model that explains the data and has a probability of at
+/// least 5 %; if there is no such model, of the most probable model.
 struct FitVerdict {
-  /// Diagnosed model; -1: no model was diagnosed
+  /// Model whose fit was assessed; -1: no model
   int model = -1;
   double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest R² of the responses
   /// Posterior predictive p-value: P(χ² of replicated data > χ² of the data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  /// The most probable model, if it does not explain the data but the less probable `model` does
+  /// The most probable model, if only the less probable `model` explains the data
   int instead_of = -1;
   std::vector<misfit::Reason> why_not = {};  ///< reasons why `instead_of` does not explain the data
 

@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 
 inline constexpr int kPriorDraws = 200;
 
-/// Draw number `i` from the prior of a model; the same number always gives the same draw.
+/// Draw with index `i` from the prior of a model; the same index always gives the same draw.
 [[nodiscard]] inline std::vector<double> prior_draw(const inference::ModelSpace& space, int model,
                                                     int i) {
   base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::prediction);

@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` points. These points get zero
-/// likelihood.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; there, the likelihood
+/// is set to zero.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -51,7 +51,7 @@ struct NearlyPrior {
 
 // ---- structures ---------------------------------------------------------------------------
 
-/// A material property outside the range of real materials. Its unit is probably wrong.
+/// A material property outside the range of real materials. The unit is probably wrong.
 struct ImplausibleMaterial {
   enum class Property { young, density, speed_of_sound };
 
@@ -112,7 +112,7 @@ struct NoiseHidesDamage {
 };
 
 /// A damage and its mirror image have equal exact probabilities. Only the error of an emulator can
-/// make the computed ones differ.
+/// make the computed probabilities differ.
 struct MirrorImages {
   bool emulated;
 };
@@ -225,8 +225,8 @@ struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels with an unknown unit or a unit of another physical dimension. Their samples are used
-/// without conversion.
+/// Channels with an unknown unit or a unit of another physical dimension. The samples of these
+/// channels are used without conversion.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;
@@ -264,7 +264,7 @@ struct StepsTooLong {
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
 /// The posterior means of the parameters fit the record worse than the best draw does. Each channel
-/// has the NRMSE of both.
+/// has both NRMSE values.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// The stated noise of a channel is wrong. The RMS of the residuals is `factor` times its sd.
+/// The stated noise sd of a channel is wrong: the RMS of the residuals is `factor` times this sd.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -324,13 +324,13 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
-/// the fraction `share` of the model's draws, its gap never closes.
+/// A one-sided force law (for example of a stop) produces no force in the predicted motion of any
+/// record. In the fraction `share` of the model's draws, its gap never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
   bool opening;  ///< true if the force law acts in extension, false if in compression
-  /// Largest motion of the link towards the stop, at the model's posterior means [m]
+  /// Largest displacement of the link towards the stop, at the model's posterior means [m]
   double reach;
   double share;
 };

@@ -21,7 +21,7 @@
 namespace wheeltap::identification {
 
 struct Solution {
-  double probability = 0.0, mcse = 0.0;  ///< share of the model's draws, with its error
+  double probability = 0.0, mcse = 0.0;  ///< fraction of the model's draws, with its error
   std::vector<double> best = {};         ///< parameters of the most probable draw of the solution
   /// Marginals of the draws of the solution, one per parameter
   std::vector<Marginal> parameters = {};

@@ -25,8 +25,8 @@ struct ModalBand {
 /// Fourier coefficients of accelerations in a frequency band.
 struct BandLines {
   Eigen::VectorXd frequencies_hz;
-  /// channels × lines: F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the one-sided
-  /// spectral density [unit² / Hz].
+  /// Matrix (channels × lines) of F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the
+  /// one-sided spectral density [unit² / Hz].
   Eigen::MatrixXcd transform;
 };
 
@@ -72,7 +72,7 @@ class BandProblem {
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The inference problem of the band, with one model. It holds a reference to this object.
+  /// The inference problem of the band, with one model. The problem refers to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:

@@ -30,13 +30,13 @@ struct ModalRecord {
   int segment = 0;  ///< segment length for FDD and EFDD, as in signals::DecompositionOptions
 };
 
-/// Identifies modes. All entries of a shape are of one quantity, e.g. displacement
+/// Identifies modes. All entries of a shape have the same quantity, e.g. displacement
 /// (signals::convert_shapes). Throws signals::ChannelError for a channel that the method cannot
 /// use, and std::invalid_argument as described for each method.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
-/// The spectrum to plot within the band of `result`: singular values if the method computed them,
-/// otherwise frequency response functions, otherwise spectra of the channels.
+/// The spectrum to plot within the band of `result`: the first of these that exists: singular
+/// values, frequency response functions, spectra of the channels.
 [[nodiscard]] std::vector<signals::SpectralLevel> spectral_levels(
     const ModalRecord& record, const signals::ModalResult& result);
 

@@ -23,7 +23,7 @@ struct RealShape {
 /// Converts a shape ψ. `covariance` (2m × 2m) is the covariance of the unscaled ψ: first all real
 /// parts, then all imaginary parts.
 ///
-/// The covariance is estimated from n = `blocks` parts of a record (0: the covariance is exact).
+/// The covariance is estimated from n = `blocks` blocks of a record (0: the covariance is exact).
 /// The inverse of an estimated covariance is too large on average. The covariance is therefore
 /// multiplied by (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17).
 /// The covariance is also multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)),

@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// Largest time constant of the slow drift [h]; otherwise, it is the length of the training period.
+/// The slow drift's time constant is the length of the training period, but at most this [h].
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.
@@ -33,12 +33,12 @@ struct BaselineParameters {
   CovariateTerms terms = {};
   double fast_rate = 0.1;  ///< 1/h
   double slow_hours = kSlowHours;
-  /// p entries each: standard deviations of the logarithms of the features
+  /// Standard deviations of the logarithms of the p features
   Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
-  Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
+  Eigen::MatrixXd correlation = {};  ///< correlation matrix of d (p x p)
   /// Degrees of freedom of the noise distribution, Student's t
   double degrees = kGaussian;
-  /// K x p: prior of the coefficients b
+  /// Prior of the coefficients b (K x p)
   Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};
 
   [[nodiscard]] int features() const { return static_cast<int>(noise_sd.size()); }

@@ -30,9 +30,9 @@ namespace wheeltap::identification::monitoring {
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
   /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
-  /// 1000 divided by the number of coefficients, at least the number above and at most 24.
+  /// 1000 divided by the number of coefficients, limited to the range from this number to 24.
   int draws = 0;
-  int most_hinges = 3;  ///< largest number of hinges; all numbers up to it have equal priors
+  int most_hinges = 3;  ///< largest number of hinges; all numbers have equal priors
   bool hinges = true, lag = true;
   std::vector<bool> may_hinge = {};  ///< true for covariates that may have hinges; empty: all
   std::uint64_t seed = 1;
@@ -50,7 +50,7 @@ struct BaselineDraw {
   BaselineFilter filter = {};
   /// Covariates of the last row with the thermal and the long lag
   Eigen::VectorXd lagged = {}, slow = {};
-  /// Standard deviation of the error of `lagged` that missing covariates cause
+  /// Standard deviation of the error of `lagged` due to missing covariates
   Eigen::VectorXd lagged_error = {};
 };
 
@@ -64,8 +64,8 @@ void carry(Parcel& parcel, Of& draw) {
 struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
-  Eigen::VectorXd reference = {};    ///< p: medians of the features in the training period
-  Eigen::VectorXd residual_sd = {};  ///< p: posterior mean of the sd of drift and noise together
+  Eigen::VectorXd reference = {};    ///< medians of the p features in the training period
+  Eigen::VectorXd residual_sd = {};  ///< posterior mean sd of drift and noise together, per feature
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters processed

@@ -17,10 +17,10 @@ namespace wheeltap::identification::monitoring::training {
 struct TrainingRows {
   std::vector<double> hours = {};
   std::vector<CovariateScaling::Scaled> scaled = {};
-  Eigen::MatrixXd z = {};  ///< covariates x rows: the values in `scaled`
+  Eigen::MatrixXd z = {};  ///< the values in `scaled` (covariates x rows)
   std::vector<FeatureRows> features = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< range of the covariates with the long lag
-  Eigen::MatrixXd sorted = {};        ///< rows x covariates; sorted columns, for quantiles
+  Eigen::MatrixXd sorted = {};        ///< sorted columns for quantiles (rows x covariates)
   std::vector<int> hinged = {};       ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< one entry per feature
   /// Prior sd of the slopes of each feature, divided by its noise sd

@@ -24,10 +24,10 @@ using detail::kSizes;
 /// Posterior of the shift δ, given one candidate onset and one parameter draw.
 struct ShiftPosterior {
   Eigen::MatrixXd sensitivity;                   ///< F: states x p
-  Eigen::MatrixXd mean;                          ///< p x kSizes, if all features shift
+  Eigen::MatrixXd mean;                          ///< if all features shift (p x kSizes)
   Eigen::MatrixXd covariance;                    ///< p x (p kSizes)
-  Eigen::MatrixXd single_mean, single_variance;  ///< p x kSizes: feature j alone shifts
-  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset; row 0:
+  Eigen::MatrixXd single_mean, single_variance;  ///< if feature j alone shifts (p x kSizes)
+  /// ln of the joint posterior of draw and hypothesis, given the onset: (1 + p) x kSizes; row 0:
   /// all features shift; row 1 + j: feature j alone.
   Eigen::MatrixXd log_weight;
 };

@@ -5,17 +5,17 @@
 //   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
 //   τ)/kTransientHours)
 //
-// A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
-// modal identification. The model without a change is a mixture: the baseline, and transients that
-// began at any row. A change must explain the data better than this mixture. The probability of a
-// decayed transient returns to the baseline; at each row, so does the share of transients that may
-// have ended early.
+// A transient is a temporary effect of thaw, wind, traffic or wrong modal identification. A
+// transient does not count as a change. The model without a change is a mixture: the baseline, and
+// transients that began at any row. A change must explain the data better than this mixture. The
+// probability of a decayed transient is transferred to the baseline, and at each row also the
+// probability that transients have ended early.
 //
 // A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
 // candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
-// which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of
-// kShiftSizes (equally probable) and r_j the residual sd of feature j:
+// which is exact for Gaussian noise. The prior of δ has two equally probable components, with s one
+// of kShiftSizes (equally probable) and r_j the residual sd of feature j:
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
@@ -24,10 +24,10 @@
 // posterior mass. The filter without a change has a separate noise inflation, because entries after
 // damage are outliers for this filter only.
 //
-// Weights of parameter draws have a fixed share: at each row, the fraction `fixed_share` of all
-// weight is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight.
-// Every predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture
-// without a change.
+// Fixed-share update of the parameter draws: at each row, the fraction `fixed_share` of all weights
+// is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight. Every
+// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
+// change.
 #pragma once
 
 #include <cstdint>
@@ -92,8 +92,8 @@ void carry(Parcel& parcel, Of& c) {
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
-  Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
-  Eigen::VectorXd weather;   ///< p: posterior mean effect of the covariates
+  Eigen::VectorXd mean, sd;  ///< mean and sd of the p features' logarithms, over the draws
+  Eigen::VectorXd weather;   ///< posterior mean effect of the covariates (p entries)
   /// False if the row has no features, or if missing covariates leave the effect of the weather
   /// unknown (ChangePoint::add).
   bool is_scored = true;
@@ -104,8 +104,8 @@ struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
   double ramp_probability = 0.0;                                 ///< P(ramp | change)
-  Eigen::VectorXd shift, shift_sd;      ///< p, shift of the features' logarithms, given a change
-  Eigen::VectorXd shifted_probability;  ///< p: probability that the feature shifted, given a change
+  Eigen::VectorXd shift, shift_sd;      ///< shifts of the p features' logarithms, given a change
+  Eigen::VectorXd shifted_probability;  ///< probability that each feature shifted, given a change
 };
 
 class ChangePoint {
@@ -115,7 +115,7 @@ class ChangePoint {
 
   /// Processes the next row; all its features may be missing. The features of a row are not used if
   /// the error from missing covariates may shift a feature by more than kLargestWeatherError times
-  /// its residual standard deviation: such an error is common to many rows and would look like a
+  /// its residual standard deviation. Such an error is common to many rows and would look like a
   /// change.
   PredictedRow add(const Row& row);
 
@@ -128,7 +128,7 @@ class ChangePoint {
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
   /// Adds the present shift to the intercepts, and removes all candidates. The state gets the mean
-  /// and covariance of the mixture of no change and all candidates with all their hypotheses.
+  /// and covariance of a mixture: no change, and all candidates with all their hypotheses.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates

@@ -4,7 +4,7 @@
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
-// Each of the last four entries stands for kUnseenSegments terms: the lengths of its u inside the
+// Each of the last four entries stands for kUnseenSegments terms: the lengths of u within the
 // segments between kUnseenKnots. Their sum is piecewise linear with one slope per segment. The
 // "long" terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are
 // zero in the training period, so training does not change the priors of their coefficients.
@@ -51,12 +51,12 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// Scales a row of a time series in the same way. In addition, an entry that exceeds the range of
-  /// the training period by more than a jump counts as missing, unless it is within a jump of this
-  /// covariate's last reading or last used entry. A single wrong reading thus does not determine
-  /// the effect of weather outside the training period. A jump is kLargestJump standard deviations,
-  /// or twice the largest change between two rows of the training period. The imputed variance is
-  /// at least the squared difference between this entry and its imputed value.
+  /// Scales a row of a time series like the function above. In addition, an entry counts as missing
+  /// if it exceeds the range of the training period by more than a jump and differs by more than a
+  /// jump from this covariate's last reading and last used entry. A single wrong reading thus does
+  /// not determine the effect of weather outside the training period. A jump is kLargestJump
+  /// standard deviations, or twice the largest change between two rows of the training period. The
+  /// imputed variance is at least the squared difference between this entry and its imputed value.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
@@ -95,9 +95,9 @@ struct CovariateTerms {
   /// Covariate of each hinge: index among the used covariates
   std::vector<int> hinge_of = {};
   std::vector<double> knots = {};  ///< value of z at each hinge
-  /// C entries: smallest and largest lagged value v in the training period
+  /// Smallest and largest lagged value v of each covariate in the training period
   Eigen::VectorXd low = {}, high = {};
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< C: extremes of v with the long lag
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< extremes of v with the long lag
 
   /// Number of terms in phi for c = `covariates` used covariates: 1 + c + knots + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {

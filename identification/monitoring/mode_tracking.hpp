@@ -5,7 +5,7 @@
 //   m_kt = w_k(u_t) + a_kt, a_kt: random walk (local level), w_k: effect of covariates,
 //
 // The mode also has a reference shape and a probability D_k of being identified. An assignment σ
-// maps each tracked mode to one identified mode, which no other has, or to none:
+// maps each tracked mode to an identified mode of its own, or to none:
 //
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
@@ -16,7 +16,7 @@
 // spurious modes.
 //
 // The marginal probabilities of all pairs (tracked mode, identified mode) are exact sums over
-// assignments. A recursion over tracked modes and over sets of identified modes computes them
+// assignments. A recursion over tracked modes and over sets of identified modes computes these sums
 // (joint probabilistic data association; Fortmann, Bar-Shalom & Scheffe 1983).
 #pragma once
 
@@ -40,7 +40,7 @@ using IdentifiedRecord = std::vector<IdentifiedMode>;
 [[nodiscard]] double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
 struct TrackingOptions {
-  double share = 0.5;      ///< smallest share of training records that contain a tracked mode
+  double share = 0.5;      ///< smallest fraction of training records with a tracked mode
   double broad_sd = 0.08;  ///< standard deviation of ln f in the broad normal density
   double broad_share = 0.05;
   double walk = 0.3;  ///< sd of the random-walk step of a_k, divided by TrackedMode::scatter
@@ -57,10 +57,10 @@ struct TrackedMode {
 
 /// The assignment of one record's identified modes to tracked modes.
 struct TrackedRecord {
-  /// K entries: the most probable identified mode, or -1 if its probability is below one half.
+  /// The most probable identified mode for each of K tracked modes; -1: probability below one half.
   std::vector<int> mode = {};
-  Eigen::VectorXd probability = {};  ///< K entries: probability of `mode` (-1: of no match)
-  /// K x modes: marginal probabilities of all pairs. P(missing) is 1 minus the sum of a row;
+  Eigen::VectorXd probability = {};  ///< probability of each entry of `mode` (-1: of no match)
+  /// Marginal probabilities of all pairs (K x modes). P(missing) is 1 minus the sum of a row;
   /// P(spurious) is 1 minus the sum of a column.
   Eigen::MatrixXd pairs = {};
 };
@@ -69,7 +69,7 @@ class ModeTracker {
  public:
   /// Finds the modes to track and estimates their scatter, shapes and detection probabilities D
   /// from `records` in order of time. `covariates` is n x c; c may be 0. Throws
-  /// std::invalid_argument if no mode is in the required share of the records.
+  /// std::invalid_argument if no mode is in the required fraction of records.
   ModeTracker(const std::vector<IdentifiedRecord>& records, const Eigen::MatrixXd& covariates,
               const TrackingOptions& options = {});
 
@@ -91,7 +91,7 @@ class ModeTracker {
   std::vector<TrackedMode> modes_;
   double spurious_ = 1.0;                ///< λ: spurious modes per unit of ln f
   Eigen::MatrixXd learned_covariates_;   ///< n x c
-  Eigen::MatrixXd learned_frequencies_;  ///< n x K: ln f, NaN: missing
+  Eigen::MatrixXd learned_frequencies_;  ///< ln f (n x K); NaN: missing
 };
 
 /// Marginal probabilities of pairs, K x M. `ratio` is L_kj/λ; `detection` has the K entries D_k.

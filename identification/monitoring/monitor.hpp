@@ -40,7 +40,7 @@ struct AlarmRecord {
 struct RowFinding {
   double hours = 0.0;
   PredictedRow predicted = {};
-  Eigen::VectorXd corrected = {};  ///< p, logarithms: features minus the effect of the covariates
+  Eigen::VectorXd corrected = {};  ///< logarithms of the p features minus the covariates' effect
   double log_statistic = 0.0;
   double probability_changed = 0.0;  ///< probability of at least one change since the start
   bool alarm = false;

@@ -11,8 +11,8 @@ namespace wheeltap::identification::monitoring {
 /// n rows of p features and c covariates. NaN marks a missing entry.
 struct Series {
   std::vector<double> hours = {};  ///< n, strictly increasing
-  Eigen::MatrixXd features = {};   ///< n x p: natural logarithms of positive features
-  /// n x p: standard deviations of the logarithms; empty if no sds are known.
+  Eigen::MatrixXd features = {};   ///< natural logarithms of positive features (n x p)
+  /// Standard deviations of the logarithms (n x p); empty if no sds are known.
   Eigen::MatrixXd sds = {};
   Eigen::MatrixXd covariates = {};  ///< n x c
   std::vector<std::string> feature_names = {}, covariate_names = {};
@@ -29,10 +29,10 @@ inline constexpr double kLargestRelativeVariance = 1e8;
 struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms; NaN: missing
-  /// p: noise variance of this row divided by the usual noise variance; 1 if no sd is stated.
+  /// Noise variances of this row divided by the usual ones (p entries); 1 if no sd is stated.
   /// Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown sd.
   Eigen::VectorXd relative_variance = {};
-  Eigen::VectorXd covariates = {};  ///< c entries; NaN: missing
+  Eigen::VectorXd covariates = {};  ///< values of the c covariates; NaN: missing
 };
 
 /// A fault of a series and its location.
@@ -58,8 +58,8 @@ inline constexpr int kFewestLearningRows = 20;
 /// constant covariate as a warning only, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i. Its noise variances are divided by the squares of `usual_sds`: medians in the training
-/// period, or empty.
+/// Row i. The noise variances of the row are divided by the squares of `usual_sds`: medians in the
+/// training period, or empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
 /// Median time step between consecutive rows.

@@ -18,14 +18,14 @@
 namespace wheeltap::identification::monitoring {
 
 struct WeatherTruth {
-  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean, and amplitudes of season and day
+  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean; amplitudes of annual and daily cycle
   double front_sd = 3.0, front_hours = 60.0;     ///< sd [°C] and time constant [h] of front(t)
   double first_day = 0.0;                        ///< day of the year at time zero
 };
 
 struct FeatureTruth {
   double value = 1.0;       ///< value of the feature at the mean temperature
-  double slope = -0.0005;   ///< slope of the feature's logarithm, 1/K
+  double slope = -0.0005;   ///< slope of the feature's logarithm against temperature, 1/K
   double frost = -0.0025;   ///< the additional slope below freezing, 1/K
   double noise_sd = 0.003;  ///< noise: sd divided by the value
   double drift_sd = 0.001, unmeasured_sd = 0.0;
@@ -38,7 +38,7 @@ struct ThermometerTruth {
 /// A change of features or of thermometer readings, as a step or a ramp.
 struct ChangeTruth {
   double hours = 0.0, ramp_hours = 0.0;
-  Eigen::VectorXd shift = {};   ///< p: shift of the logarithms
+  Eigen::VectorXd shift = {};   ///< shifts of the p features' logarithms
   Eigen::VectorXd offset = {};  ///< c, K
 };
 
@@ -59,7 +59,7 @@ struct SeriesTruth {
 };
 
 /// Simulates a series; its names are empty. Weather, drift, noise and the choice of missing entries
-/// use separate random streams, so that each is independent of the settings of the others.
+/// use separate random streams, so that a changed setting of one does not change the others.
 [[nodiscard]] Series simulate_series(const SeriesTruth& truth, std::uint64_t seed);
 
 }  // namespace wheeltap::identification::monitoring

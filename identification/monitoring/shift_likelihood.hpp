@@ -40,7 +40,7 @@ void carry(Parcel& parcel, Of& l) {
 
 struct LikelihoodLimits {
   int components = 24;       ///< largest number of components
-  double negligible = 1e-4;  ///< a component below this share of the largest weight is omitted
+  double negligible = 1e-4;  ///< a component below this fraction of the largest weight is omitted
 };
 
 /// Computes the likelihood. `residual_sd` is Baseline::residual_sd (p entries).

@@ -10,8 +10,8 @@
 namespace wheeltap::identification::monitoring {
 
 /// y_j = b_j0 + Σ_c b_jc z_c + Σ_h b_jh max(0, z_h - κ_h), by least squares with robust weights.
-/// Each covariate has a hinge at its median. If its values in the training period have both signs,
-/// it also has a hinge at zero, because slopes of features often change at 0 °C.
+/// Each covariate has a hinge at its median. A covariate whose training values have both signs also
+/// has a hinge at zero, because slopes of features often change at 0 °C.
 class HingeRegression {
  public:
   explicit HingeRegression(const Series& learning);
@@ -31,8 +31,8 @@ class HingeRegression {
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
 /// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² has a closed form
-/// (Rasmussen & Williams 2006, equation 5.8). If the training period has more rows, kMostPoints
-/// evenly spaced rows are used.
+/// (Rasmussen & Williams 2006, equation 5.8). If the training period has more than kMostPoints
+/// rows, kMostPoints evenly spaced rows are used.
 class ProcessRegression {
  public:
   static constexpr int kMostPoints = 300;
@@ -43,8 +43,8 @@ class ProcessRegression {
  private:
   struct Feature {
     Eigen::MatrixXd points = {};   // covariates x n
-    Eigen::MatrixXd inverse = {};  // n x n: inverse kernel matrix
-    Eigen::VectorXd weights = {};  // n: inverse times values of the feature
+    Eigen::MatrixXd inverse = {};  // inverse kernel matrix (n x n)
+    Eigen::VectorXd weights = {};  // `inverse` times the n values of the feature
     double mean = 0.0, length = 1.0, noise = 0.1, variance = 1.0;
   };
   [[nodiscard]] static Feature fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);

@@ -5,8 +5,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// Returns the structure with `mass` [kg] added at a node (members) or to a mass (chain of masses),
-/// with the index `node` from 0. Throws std::invalid_argument for a structure given by matrices,
+/// Returns the structure with `mass` [kg] added at a node (members) or to a mass (chain of masses).
+/// The index `node` begins at 0. Throws std::invalid_argument for a structure given by matrices,
 /// and for a node that does not exist.
 [[nodiscard]] AnyStructure with_mass_at_node(const AnyStructure& structure, int node, double mass);
 

@@ -1,4 +1,4 @@
-// Smallest detectable defect at every place, and places that a test cannot distinguish.
+// Smallest detectable defect at every location, and locations that a test cannot distinguish.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace wheeltap::identification::planning {
 
-/// Probability of detection of one defect at one place.
+/// Probability of detection of one defect at one location.
 struct PlaceDetection {
   int place = 0;
   std::vector<double> severities;       ///< ascending
   std::vector<TestEstimate> detection;  ///< P(detected) at each severity
-  /// P(detected, and count and place correct) at each severity
+  /// P(detected, and count and location correct) at each severity
   std::vector<TestEstimate> right;
   /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
   /// empty if P(detected) is below 0.9 at the largest severity of the prior.
@@ -25,21 +25,21 @@ struct PlaceDetection {
 };
 
 struct DetectabilityOptions {
-  int tests = 100;          ///< number of tests per place and severity
+  int tests = 100;          ///< number of tests per location and severity
   double threshold = 0.0;   ///< log odds of damage above which a test detects damage
-  double tolerance = 0.05;  ///< largest location error of a correct place [m]
+  double tolerance = 0.05;  ///< largest error of a correct location [m]
   int threads = 1;
   std::uint64_t seed = 1;
 };
 
-/// Simulates tests at every place and quantile of the severity. Four bisections add severities
+/// Simulates tests at every location and quantile of the severity. Four bisections add severities
 /// near P(detected) = 0.9.
 [[nodiscard]] std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                                                             const PlacePredictions& predictions,
                                                             const PreparedDesign& design,
                                                             const DetectabilityOptions& options);
 
-/// Two regions between whose places a test cannot distinguish.
+/// Two regions: a test cannot distinguish a location in one from a location in the other.
 struct ConfusedRegions {
   struct Region {
     int kind = 0, stretch = 0;
@@ -47,11 +47,11 @@ struct ConfusedRegions {
     std::string name;               ///< "beam, 0.1 to 0.4 m"
   };
   Region first, second;
-  int pairs = 0;       ///< number of confused pairs of places
+  int pairs = 0;       ///< number of confused pairs of locations
   bool exact = false;  ///< true if predictions are equal because of a symmetry
 };
 
-/// The length within which a test cannot distinguish the places of a member.
+/// The length within which a test cannot distinguish locations on a member.
 struct PlaceResolution {
   std::string name;  ///< name of the member
   double metres = 0.0;
@@ -60,20 +60,20 @@ struct PlaceResolution {
 struct Confusion {
   std::vector<ConfusedRegions> regions;
   std::vector<PlaceResolution> resolutions;
-  std::vector<std::pair<int, int>> pairs;  ///< confused pairs of places in the regions
-  std::vector<int> undetectable;           ///< places at which the largest defect is not detectable
+  std::vector<std::pair<int, int>> pairs;  ///< confused pairs of locations in the regions
+  std::vector<int> undetectable;           ///< locations with undetectable largest defect
 };
 
-/// Two places are confused if the largest defect of the prior at one place gives mean data within
-/// `kDistance` standard errors of the data of some defect at the other place. With equal priors, a
-/// test then assigns at least Φ(-1) = 16 % of these defects to the other place. Confused places
-/// determine the resolution of a member if they are within `tolerance` of each other, or connected
-/// by confused places of this member. All other confused places form regions.
+/// Two locations are confused if the largest defect of the prior at one location gives mean data
+/// within `kDistance` standard errors of the data of some defect at the other. With equal priors, a
+/// test then assigns at least Φ(-1) = 16 % of these defects to the other location. Confused
+/// locations give the resolution of a member if they are within `tolerance`, or connected by
+/// confused locations of this member. All other confused locations form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
 
-/// A change of the design that lets a test distinguish confused places.
+/// A change of the design with which a test distinguishes confused locations.
 struct Separation {
   std::vector<int> sensors;   ///< additional sensors
   int mass = -1;              ///< index of the added mass; -1: additional sensors

@@ -1,4 +1,4 @@
-// Comparison of a plan's approximate evidences with runs of the full engine (reversible-jump MCMC).
+// Comparison of a plan's approximate evidences with the full engine (reversible-jump MCMC).
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ namespace wheeltap::identification::planning {
 struct EngineOutcome {
   double probability_damaged = 0.0;
   int model = 0;       ///< most probable model
-  bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
+  bool right = false;  ///< true if count and locations are correct by the criteria of TestScorer
   /// Log posterior density (in standard normal coordinates) of the true damage, minus the highest
   /// one that the run found in the true model. A value of several nats means that the search missed
   /// the true damage.
@@ -35,16 +35,16 @@ struct CheckedTest {
   EngineOutcome engine;
 };
 
-/// If `truth_gain` [nats] of a run is larger, the run missed the true damage.
+/// A run with a larger `truth_gain` [nats] has missed the true damage.
 inline constexpr double kMissed = 3.0;
-/// First number of the checked tests; scores and searches use smaller numbers.
+/// Index of the first checked test; scores and searches use tests with smaller indices.
 inline constexpr std::uint64_t kFirstCheck = std::uint64_t{1} << 40;
 
-/// Differences (engine minus approximation, same tests) of P(detected) and P(right place), both
-/// given at least one defect. Also the root mean square difference of P(at least one defect | y)
-/// over all tests. Standard errors count one additional test in which engine and approximation
-/// differ, because a few tests may all agree by chance. Tests in which the engine did not find the
-/// true damage count only as `missed`, because they do not test the approximation.
+/// Differences (engine minus approximation, same tests) of P(detected) and P(right location), both
+/// given at least one defect; root mean square difference of P(at least one defect | y) over all
+/// tests. Standard errors count one additional test in which engine and approximation differ,
+/// because a few tests may all agree by chance. Tests in which the engine did not find the true
+/// damage count only as `missed`, because they do not test the approximation.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect

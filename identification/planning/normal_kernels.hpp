@@ -26,7 +26,7 @@ struct Rectangle {
 
 /// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if the
 /// normal density of one variable is inside the rectangle at all relevant values of the other
-/// variable. Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre
+/// variable. In all other cases, the integral along y has a closed form, and 12-node Gauss-Legendre
 /// quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
@@ -40,14 +40,14 @@ inline constexpr std::size_t kSymmetric = 10;
 /// Pairs of one damage location a with several damage locations b. Array lengths are multiples of
 /// kPairLanes.
 struct PairRow {
-  float amplitude;           ///< y · v_a; v_a is the unit direction of place a
+  float amplitude;           ///< y · v_a; v_a is the unit direction of location a
   float bend;                ///< y · w_a; w_a is the direction of deviations from the line of v_a
   float slope;               ///< largest deviation along w_a, divided by the amplitude
-  float limit;               ///< largest amplitude of place a
+  float limit;               ///< largest amplitude of location a
   const float* amplitudes;   ///< y · v_b
   const float* bends;        ///< y · w_b
-  const float* slopes;       ///< slope of each place b
-  const float* limits;       ///< limit of each place b
+  const float* slopes;       ///< slope of each location b
+  const float* limits;       ///< limit of each location b
   const float* correlation;  ///< ρ = v_a · v_b
   const float* inverse;      ///< 1 / (1 - ρ²)
   const float* log_weight;   ///< term that is added to the largest exponent
@@ -71,14 +71,14 @@ inline constexpr float kSmallChange = 0.3F;
 ///
 /// If amplitudes had no limits, the exponent would increase by f. The interaction has the
 /// size κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If the
-/// interaction describes the residual, its effect exceeds the second term with
-/// probability 3e-5. If both places may deviate freely along w_a and w_b, the exponent
-/// would increase by u. The largest possible deviation is d = c_a slope_a + c_b slope_b.
+/// interaction describes the residual, its effect exceeds the second term with probability
+/// 3e-5. If both locations may deviate freely along w_a and w_b, the exponent would
+/// increase by u. The largest possible deviation is d = c_a slope_a + c_b slope_b.
 /// `square` = |y|². Returns the largest weight of the pairs with `extra` below
 /// kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
-/// Pairs of places whose effects lie on curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
+/// Pairs of locations whose effects lie on curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
 /// `stride` entries in this order; the number of used entries is a multiple of kPairLanes.
 struct CurvedPairs {
   enum Array {

@@ -142,7 +142,7 @@ std::shared_ptr<const NormalTest::PairList> NormalTest::list_pairs(
     if (row.count > 0) list->rows.push_back(row);
   }
   if (list->rows.empty())
-    throw std::invalid_argument("two defects need two places, but there is only one place");
+    throw std::invalid_argument("two defects need two possible locations, but there is only one");
   list->log_prior = std::log(sum);
   for (std::size_t k = 0; k < kSymmetric; ++k)
     for (const auto& one : inverses) list->gram_inverse.push_back(one[k]);

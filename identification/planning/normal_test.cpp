@@ -123,7 +123,7 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
     if (kinds.empty()) intact_ = static_cast<int>(m);
     for (const int kind : kinds)
       if (std::ranges::none_of(places_, [&](const auto& p) { return p.kind == kind; }))
-        throw std::invalid_argument("kind " + std::to_string(kind) + " has no place");
+        throw std::invalid_argument("kind " + std::to_string(kind) + " has no location");
     if (kinds.size() == 2 && gram_.size() == 0) gram_ = products(nodes_);
     pairs_.push_back(kinds.size() == 2 ? list_pairs(kinds) : nullptr);
   }

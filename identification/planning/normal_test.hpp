@@ -1,4 +1,4 @@
-// Evidences for the number and places of defects, for a test with normally distributed data.
+// Evidences for the number and locations of defects, for a test with normally distributed data.
 #pragma once
 
 #include <memory>
@@ -13,20 +13,20 @@ namespace wheeltap::identification::planning {
 /// causes.
 struct NormalPlace {
   int kind = 0;
-  double prior = 1.0;  ///< P(place | one defect of the kind)
-  /// Data × (S + 1): mean data minus those of the intact structure, in standard deviations, at the
-  /// quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
+  double prior = 1.0;  ///< P(location | one defect of the kind)
+  /// Matrix (data values) × (S + 1): change of the mean data by the defect, in standard deviations,
+  /// at the quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
 };
 
-/// The interaction of two defects at the typical nodes of their places: the change of the mean data
-/// due to both defects together, minus the changes due to each defect alone.
+/// The interaction of two defects at the typical nodes of their locations: the change of the mean
+/// data due to both defects together, minus the changes due to each defect alone.
 struct NormalInteraction {
-  int a = 0, b = 0;  ///< places, a < b
+  int a = 0, b = 0;  ///< locations, a < b
   Eigen::VectorXd data;
 };
 
-/// Returns the node that represents the direction of a place: the middle one.
+/// Returns the node that represents the direction of a location: the middle one.
 [[nodiscard]] constexpr Eigen::Index typical_node(Eigen::Index nodes) {
   return nodes > 2 ? nodes / 2 : nodes - 1;
 }
@@ -42,33 +42,33 @@ struct NormalModel {
 ///
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
-/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along the
-/// typical node of place a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1) is the
-/// prior cumulative probability of severity s; Δ_a is linear between nodes. Then
+/// (two defects at locations a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along
+/// the typical node of location a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1)
+/// is the prior cumulative probability of severity s; Δ_a is linear between nodes. Then
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
 /// where each integrand is normal in p, so that the integral has a closed form (exact for piecewise
 /// linear Δ_a). For two defects, the integral over p and q uses the slopes at the best (p, q), with
-/// quadrature along p and a closed form along q. NormalTest does not consider two defects at one
-/// place. The sum over pairs (a, b) uses `pairs` pairs: those with the largest approximate weights,
-/// and a systematic sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// quadrature along p and a closed form along q. NormalTest ignores two defects at one location.
+/// The sum over pairs (a, b) uses `pairs` pairs: those with the largest approximate weights, and a
+/// systematic sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
-  /// Throws std::invalid_argument if a model has more than two defects, no model is
-  /// the intact structure, places have different numbers of data, or a kind has no
-  /// place.
+  /// Throws std::invalid_argument if a model has more than two defects, no model is the
+  /// intact structure, locations have different numbers of data, or a kind has no
+  /// location.
   NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96,
              const std::vector<NormalInteraction>& interactions = {});
 
   struct Pair {
-    int a = 0, b = 0;         ///< places; a < b if they are of one kind
+    int a = 0, b = 0;         ///< locations; a < b if both are of one kind
     double log_weight = 0.0;  ///< ln [p(y, a, b | model) / p(y | intact)], with sampling weight
   };
   /// The evidences for one data vector, divided by the evidence of the intact structure.
   struct Answer {
     std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
-    std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
+    std::vector<double> log_places;        ///< ln p(y | one defect at the location) / p(y | intact)
     std::vector<std::vector<Pair>> pairs;  ///< pairs of each model; empty for models of fewer than
                                            ///< two defects
     double log_all = 0.0;                  ///< ln p(y) / p(y | intact)
@@ -97,7 +97,7 @@ class NormalTest {
   /// Index of the model without defects.
   [[nodiscard]] int intact() const { return intact_; }
 
-  /// The curve through the nodes of a place is about c v + α c (c - τ) w: v is the typical
+  /// The curve through the nodes of a location is about c v + α c (c - τ) w: v is the typical
   /// direction, c the component along v, and w the unit vector normal to v in which the nodes
   /// deviate most. w is a sum of the nodes with weights `of_nodes` (zero for a straight line). A
   /// node deviates from the straight line by at most c · slope, and from this curve by c · rest.
@@ -142,23 +142,23 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
+  Eigen::MatrixXd nodes_;                               // nodes of all locations, data × nodes
   std::vector<double> tiles_;                           // `nodes_` in tiles, for products_with_tile
   Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
-  std::vector<Eigen::Index> first_;                     // first node of each place, and the end
+  std::vector<Eigen::Index> first_;                     // first node of each location, and the end
   std::vector<double> squares_;                         // |node|²
-  std::vector<double> next_products_;                   // node · next node of the place
-  std::vector<Eigen::Index> typical_;                   // typical node of each place
+  std::vector<double> next_products_;                   // node · next node of the location
+  std::vector<Eigen::Index> typical_;                   // typical node of each location
   std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
   std::vector<std::vector<double>> along_;              // nodes projected on the typical node
-  std::vector<Bend> bends_;                             // per place
+  std::vector<Bend> bends_;                             // per location
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model; may be null
-  /// Data, padded with zeros, × pairs with an interaction; single precision saves memory traffic
+  /// Size: data values (padded with zeros) × interacting pairs; single precision for speed
   Eigen::MatrixXf interactions_;
-  Eigen::MatrixXi column_of_;                   // per pair of places; -1: no interaction
+  Eigen::MatrixXi column_of_;                   // per pair of locations; -1: no interaction
   std::vector<double> interaction_square_;      // per column: |I|²
   std::vector<std::size_t> interaction_first_;  // per column: its start in interaction_nodes_
-  std::vector<double> interaction_nodes_;       // I · nodes of place a, then I · nodes of place b
+  std::vector<double> interaction_nodes_;       // I · nodes of location a, then of location b
 };
 
 }  // namespace wheeltap::identification::planning

@@ -1,7 +1,7 @@
 // A plan of a modal test: detectable damage for each design, choice of sensors, and value of
 // further sensors, modes or records.
 //
-// Data flow: case -> modes of the structure with one defect at every place (exact reanalysis) ->
+// Data flow: case -> modes of the structure with one defect at every location (exact reanalysis) ->
 // normal data of a design -> evidences of simulated tests -> scores -> choice of sensors ->
 // findings.
 #pragma once
@@ -24,7 +24,7 @@ struct PlanCase {
   TestNoise noise = {};
   int choose = 0;  ///< number of sensors; fewer than 2: frequencies only
   double false_alarm = 0.05;
-  double tolerance = 0.05;                  ///< largest location error of a correct place [m]
+  double tolerance = 0.05;                  ///< largest error of a correct location [m]
   std::vector<double> record_lengths = {};  ///< further record lengths to compare [s]
   std::optional<TestCosts> costs = {};
   std::vector<std::vector<int>> layouts = {};  ///< the user's sensor layouts, for comparison
@@ -51,29 +51,29 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;  ///< sd of shape entries: median over the modes
-  /// The same median if the largest entry over the sensors of the best design is 1.
+  /// The same median for shapes whose largest entry at the sensors of the best design is 1.
   double measured_shape_sd = 0.0;
-  std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
+  std::vector<int> without_shapes;   ///< close modes (from 0): only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of at least one defect
-  /// Designs that the search found, sorted by the probability of the right count and place, best
-  /// first. A classical layout that is better than all of them precedes them.
+  /// Designs that the search found, sorted by P(right count and location), best first. A classical
+  /// layout that is better than all these designs precedes them.
   std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;  ///< designs by other criteria, and the user's layouts
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
-  std::vector<ScoredDesign> by_sensors;                    ///< first sensors of the greedy search
+  std::vector<ScoredDesign> by_sensors;                    ///< greedy designs by number of sensors
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
-  /// Probabilities of detection at each place, for the best design
+  /// Probabilities of detection at each location, for the best design
   std::vector<PlaceDetection> places;
-  /// Confused places and their separation: for the best design and, with suffix `alone`, for a test
-  /// that measures frequencies only
+  /// Confused locations and their separation: for the best design and, with suffix `alone`, for a
+  /// test that measures frequencies only
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
   /// Root mean square difference per datum, in standard errors, between the mean data for two
   /// simulated defects and those of NormalTest: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// These differences for unknown coefficients, whose effect the plan assumes to be linear.
+  /// The same differences for unknown coefficients, whose effect the plan assumes to be linear.
   double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< tests that are compared, if the case has costs
   std::optional<ValueFindings> value;
@@ -113,11 +113,11 @@ class PlanModel {
 /// simulated tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
-/// Chooses sensors for the case, from fewer places and severities than PlanModel uses.
+/// Chooses sensors for the case, from fewer locations and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
-/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, without
-/// the intact structure, or with the intact structure only.
+/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, or whose
+/// models lack, or contain only, the intact structure.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

@@ -80,7 +80,7 @@ void check(const DamageCase& damage_case) {
     if (!kind.type->has_low_rank)
       throw InvalidInput(InvalidInput::Part::location,
                          "a plan allows defects of members, joints, links and masses; \"" +
-                             std::string(kind.type->name) + "\" changes whole parts",
+                             std::string(kind.type->name) + "\" changes whole substructures",
                          static_cast<int>(k));
   }
 }

@@ -26,17 +26,17 @@ struct TestModes {
   /// Candidate sensors × modes, mass-normalised. Measured modes come first, then unmeasured modes
   /// that are close to a measured mode.
   Eigen::MatrixXd shapes;
-  Eigen::MatrixXd with_mass;  ///< modes × added masses: ln f, ascending
+  Eigen::MatrixXd with_mass;  ///< ln f with each mass, ascending (modes × added masses)
 };
 
-/// A possible place of a defect: one cell on the line of its kind, or several adjacent cells.
+/// A possible location of a defect: one or several adjacent cells on the line of its kind.
 struct TestPlace {
   int kind = 0;
   double location = 0.0;          ///< position on the kind's line at which the defect is predicted
   double from = 0.0, to = 0.0;    ///< interval on the kind's line
   int stretch = 0;                ///< index of the stretch of the line
   double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
-  double prior = 0.0;             ///< P(place | one defect of the kind)
+  double prior = 0.0;             ///< P(location | one defect of the kind)
   std::string name = {};          ///< "beam at 0.25 m"
 };
 
@@ -46,7 +46,7 @@ struct PlannedStructureOptions {
   double low_hz = 0.0, high_hz = 1e300;  ///< frequency band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
-  int most_places = 120;  ///< if there are more places, adjacent cells are joined
+  int most_places = 120;  ///< if there are more locations, adjacent cells are joined
   /// Structure with unknown coefficients, each with a prior; null: all coefficients are known.
   std::shared_ptr<const StructureModel> unknown = {};
   bool uniform = false;  ///< true: all unknown coefficients act on the whole structure
@@ -88,7 +88,7 @@ class PlannedStructure {
   [[nodiscard]] const std::vector<Sensor>& candidates() const { return options_.candidates; }
   [[nodiscard]] const std::vector<AddedMass>& masses() const { return options_.masses; }
   [[nodiscard]] const std::vector<TestPlace>& places() const { return places_; }
-  /// The place of a location on a kind's line; -1 if its prior probability is 0.
+  /// Index of the TestPlace that contains a location; -1 if its prior probability is 0.
   [[nodiscard]] int place_of(int kind, double location) const;
   [[nodiscard]] const TestModes& intact() const { return intact_; }
 
@@ -132,7 +132,7 @@ class PlannedStructure {
   PlannedStructureOptions options_;
   std::shared_ptr<const ForwardModel> model_;
   int model_modes_ = 0;                  // number of computed modes
-  std::vector<fem::SparseRow> motions_;  // motions that the candidate sensors measure
+  std::vector<fem::SparseRow> motions_;  // displacements that the candidate sensors measure
   Eigen::MatrixXd z_;                    // unknowns × draws
   std::vector<std::shared_ptr<const ForwardModel>> draws_;
   std::vector<Steps> steps_;

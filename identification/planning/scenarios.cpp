@@ -52,8 +52,9 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
     if (solver.predict(out.defects, out.modes, out.draw)) break;
     if (attempt + 1 == kMostDraws)
       throw InvalidInput(InvalidInput::Part::severity,
-                         "no structure damaged according to " + std::to_string(kMostDraws) +
-                             " draws of the prior has modes: narrow the prior of the severity");
+                         "the damaged structure has no modes in any of " +
+                             std::to_string(kMostDraws) +
+                             " draws of the prior: narrow the prior of the severity");
   }
   out.numbers = TestNumbers::draw(structure_, seed_, number);
   out.truth.defects.clear();

@@ -20,8 +20,8 @@ struct Scenario {
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. The seed and the number of a draw determine its
-/// values. Draw n has the model n modulo the number of models.
+/// Draws true damages from the priors, and the noise of the tests. The seed and the index of a draw
+/// determine its values. Draw n has the model with index n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
@@ -32,7 +32,7 @@ class ScenarioSource {
   [[nodiscard]] Scenario draw(std::uint64_t number, PlannedStructure::Solver& solver) const;
   /// Draws the scenarios first … first + count - 1, in parallel.
   [[nodiscard]] std::vector<Scenario> draw(std::uint64_t first, int count, int threads) const;
-  /// The intervals of all places of the structure, as input of TestScorer.
+  /// The intervals of all locations in the structure, as input of TestScorer.
   [[nodiscard]] std::vector<PlaceSpan> spans() const;
 
  private:
@@ -60,12 +60,12 @@ struct PreparedDesign {
 struct ScoringOptions {
   int scenarios = 100'000;
   double false_alarm = 0.05;
-  double tolerance = 0.05;  ///< largest location error of a correct place [m]
+  double tolerance = 0.05;  ///< largest error of a correct location [m]
   int threads = 1;
   std::function<void(double fraction)> progress = {};
 };
 
-/// Scores all designs with the same scenarios, which begin with number `first`.
+/// Scores all designs with the same scenarios; `first` is the index of the first scenario.
 [[nodiscard]] std::vector<TestScores> score_designs(
     const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
     const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);

@@ -1,4 +1,4 @@
-// Choice of sensors by the probability that count and place of the damage are right, and by
+// Choice of sensors by the probability that number and locations of damages are right, and by
 // classical criteria for comparison.
 #pragma once
 
@@ -21,14 +21,14 @@ struct ChoiceOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-/// The score of one simulated test in the choice of sensors. With S = P(true count, and all places
-/// true within the tolerance | y),
+/// The score of one simulated test in the choice of sensors. With S = P(true count, and all
+/// locations true within the tolerance | y),
 ///
 ///   H = S² / (S² + (1 - S)²).
 ///
 /// S > 1/2 implies that the most probable count and sites are true, and that the median locations
 /// are within the tolerance. H is a smooth approximation of the indicator of this event. The mean
-/// of H needs fewer simulated tests than the frequency of the event.
+/// of H needs fewer simulated tests than the frequency of this event (for equal precision).
 [[nodiscard]] double location_score(const TestOutcome& outcome);
 
 /// A design with its mean location score in tests with at least one defect.
@@ -54,7 +54,7 @@ struct SensorChoice {
 /// 120 if there are more) and adds one sensor at a time. Three designs are then improved: the
 /// greedy design, and the layouts by effective independence and by kinetic energy. The search
 /// removes the least useful sensor and adds the best other sensor, until the design no longer
-/// improves. Finally, single sensors of the best of the three are exchanged, until no exchange
+/// improves. Finally, single sensors of the best of these designs are exchanged, until no exchange
 /// improves it. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,

@@ -23,12 +23,12 @@ struct TestDesign {
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1. It
-/// is given for T = `reference_seconds`, and is proportional to 1/√T.
+/// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1.
+/// This sd is given for T = `reference_seconds`, and is proportional to 1/√T.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
-  double cov = 0.0;  ///< if > 0, it replaces the formula
+  double cov = 0.0;  ///< if > 0, `cov` replaces the formula
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
@@ -70,7 +70,7 @@ class TestData {
   [[nodiscard]] const TestDesign& design() const { return design_; }
   /// Writes the mean data for these modes to `out`.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
-  /// Change of the mean data by unknown coefficients with the coordinates z, linear in z.
+  /// Change of the expected data caused by the unknown coefficients; linear in their coordinates z.
   [[nodiscard]] Eigen::VectorXd unknown_effect(const Eigen::VectorXd& z) const;
   /// Writes the simulated data of a test with these modes to `out`.
   void measured(const TestModes& modes, const TestNumbers& numbers,
@@ -79,8 +79,8 @@ class TestData {
   /// noise.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
-  /// True if the data contain the shape of the mode: the mode is not close to another mode, and it
-  /// moves at least one sensor.
+  /// True if the data contain the shape of the mode: the mode is not close to another mode, and its
+  /// shape is nonzero at one sensor or more.
   [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 
@@ -110,13 +110,13 @@ class TestData {
   Eigen::Index size_ = 0;
 };
 
-/// Predicted modes for a defect at every place, at the quantiles i/S of the severity's prior.
+/// Predicted modes for a defect at every location, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
-  std::vector<std::vector<TestModes>> modes;    ///< modes for each place and each quantile
-  std::vector<std::vector<double>> severities;  ///< severity per place and quantile
-  /// Two defects with severities at the middle quantiles, for every possible pair of places.
+  std::vector<std::vector<TestModes>> modes;    ///< modes for each location and each quantile
+  std::vector<std::vector<double>> severities;  ///< severity per location and quantile
+  /// Two defects with severities at the middle quantiles, for every possible pair of locations.
   struct Pair {
-    int a = 0, b = 0;  ///< places, a < b
+    int a = 0, b = 0;  ///< locations, a < b
     TestModes modes;
   };
   std::vector<Pair> pairs = {};

@@ -1,4 +1,4 @@
-// Probability of detection, probability of the right place, and expected information, estimated
+// Probability of detection, probability of the right location, and expected information, estimated
 // from simulated tests.
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// Location of a place of a NormalTest: an interval of a site, in metres from the start of the
-/// site; a point if both ends are 0.
+/// Interval that one location of a NormalTest represents, in metres from the start of its site; a
+/// point if both ends are 0.
 struct PlaceSpan {
   int site = 0;
   double start = 0.0, end = 0.0;
@@ -31,20 +31,20 @@ struct TestTruth {
 struct TestOutcome {
   int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
-  /// ln q(count, place | y) / p(count, place) for the true defects, with q = (1 - ε) p(… | y) + ε
-  /// p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
+  /// ln q(count, location | y) / p(count, location) for the true defects, with q = (1 - ε) p(… | y)
+  /// + ε p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
   /// information (Barber & Agakov 2003, NIPS 16). With exact evidences, this bound is too low by at
   /// most -ln(1 - ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
-  bool right = false;  ///< true if the most probable count and all places are right
+  bool right = false;  ///< true if the most probable count and all locations are right
   /// P(true number of defects, and every location true within the tolerance | y).
   double located = 0.0;
 };
 
 /// Scores the results of a NormalTest. The count is right if the most probable model is the true
-/// model. The places are right if the most probable sites of the defects are the true sites, and
-/// given these sites, the posterior median of each location is within `tolerance` [m] of the true
-/// location.
+/// model. The locations are right if the most probable sites of the defects are the true sites,
+/// and, given these sites, the posterior median of each location is within `tolerance` [m] of the
+/// true location.
 class TestScorer {
  public:
   TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
@@ -78,7 +78,7 @@ struct TestScores {
   TestEstimate information;  ///< expected information [nats], with the prior probabilities of the
                              ///< models as weights
   TestEstimate detection;    ///< P(detected | at least one defect)
-  TestEstimate right_place;  ///< P(detected, and count and places right | at least one defect)
+  TestEstimate right_place;  ///< P(detected, number and locations right | at least one defect)
   double threshold = 0.0;    ///< log odds of damage above which a test detects damage
   std::vector<TestEstimate> detection_by_model;  ///< P(detected | model); NaN if intact
   /// P(detected | at least one defect) as a function of the false-alarm probability, ascending.

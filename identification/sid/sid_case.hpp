@@ -23,7 +23,7 @@ namespace wheeltap::identification {
 struct SidChannel {
   enum class Role { time, force, base_acceleration, base_displacement, response, ignore };
 
-  std::string column;  ///< header text, or number from 1
+  std::string column;  ///< header text, or column number from 1
   int record = 1;      ///< number of the record with this channel
   Role role = Role::ignore;
   int mass = 0;
@@ -32,8 +32,8 @@ struct SidChannel {
   /// Raw samples, from the start of the lead-in before the window. Excitations are upsampled by the
   /// factor SidCase::stride.
   dynamics::Signal signal = {};
-  /// Raw samples after the window, which are not scored. SidCase::beyond gives their number.
-  /// Excitations are upsampled as in the window.
+  /// Raw samples after the window, which are not scored. SidCase::beyond gives the number of these
+  /// samples. Excitations are upsampled as in the window.
   std::vector<double> beyond = {};
   std::string unit = {};     ///< unit from the case, otherwise from the header of the file
   bool unit_given = false;   ///< true if the case gives the unit
@@ -163,7 +163,7 @@ struct SidTruth {
   double sample_rate_hz = 0.0;
   std::uint64_t seed = 1;
   std::vector<TrueExcitation> excitations = {};
-  /// Number of excitation points per sample, as the case declares for the record: 1 for linear
+  /// Number of excitation values per sample, as the case declares for the record: 1 for linear
   /// interpolation, more for a band-limited excitation (signals::upsample).
   int points_a_sample = 1;
 };
@@ -193,8 +193,8 @@ struct SidCase {
   int beyond = 0;
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
-  /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if this
-  /// motion, and not the case, is the reason to infer the initial state.
+  /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if the
+  /// initial state is inferred because of this motion, and not by request of the case.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;
@@ -202,8 +202,8 @@ struct SidCase {
   double band = 0.97;
   bool balance = false;  ///< true: sample all models about equally often, reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the time steps. If they are too long, the run reports the error and is
-  /// not repeated.
+  /// True if the case fixes the time steps. If the steps are too long, the run reports the error
+  /// and is not repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;

@@ -62,8 +62,8 @@ struct ChannelFit {
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// Effect of the time step of integration on the response at the best draw of a model, relative to
-/// the noise sd σ,
+/// Effect of the integration time step on the response at the best draw of a model, relative to the
+/// noise sd σ,
 ///
 ///   ‖(r - r') / σ‖, r': residuals with a quarter of the time step,
 ///

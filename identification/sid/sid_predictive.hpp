@@ -10,7 +10,7 @@
 
 namespace wheeltap::identification {
 
-/// Residuals [SI] of draws spread evenly over the run, for predictive checks.
+/// Residuals [SI] of draws spread evenly over the chains, for predictive checks.
 struct SidPredictive {
   struct Draw {
     std::size_t chain = 0, draw = 0;

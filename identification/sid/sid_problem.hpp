@@ -14,7 +14,7 @@ struct SidProblem {
   /// Misfit function of each model; its parameters are those of SidCase::parameters
   std::vector<dynamics::Misfit> misfits;
   inference::Problem problem;
-  double seconds_a_likelihood = 0.0;  ///< estimated run time of one likelihood on one core [s]
+  double seconds_a_likelihood = 0.0;  ///< run time of a likelihood evaluation on one core [s]
   /// The problems of the further records, with the same parameter layout.
   std::vector<std::unique_ptr<const SidProblem>> further = {};
 

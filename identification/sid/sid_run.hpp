@@ -22,7 +22,7 @@ struct StepsRefined {
 
 struct SidRunOptions {
   /// Options of the engine. If the numbers of warm-up iterations and draws are 0, the run time of a
-  /// likelihood determines them.
+  /// likelihood evaluation determines them.
   inference::Options engine = {};
   /// Function that samples the posterior; default: reversible_jump.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
@@ -42,35 +42,35 @@ struct Look {
 
 struct SidRun {
   std::unique_ptr<const SidProblem> problem;
-  inference::Options engine;  ///< options of the sampler in the run
+  inference::Options engine;  ///< options of the sampler that were used
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< settings of the last repeat
-  /// The used part of the record, if a quick run used only a part
+  /// Samples that a quick run used, if it did not use the whole record
   std::optional<Look> look = {};
   std::vector<Remark> doubts = {};  ///< remarks passed to `doubt`
 };
 
-/// Number of scored samples that a quick run uses. With fewer samples, each likelihood and
-/// therefore the run take less time.
+/// Number of scored samples that a quick run uses. With fewer samples, each likelihood evaluation,
+/// and therefore the run, takes less time.
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
 /// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
-/// fixes the time steps. A quick run uses only the first samples if the likelihood of all would be
-/// expensive; it is never repeated. Throws InvalidInput, and the exceptions of `sample`.
+/// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
+/// is expensive; it is never repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
-/// the chain allow this. Otherwise they use shorter steps, because the error is proportional to the
-/// fourth power of the step. The function tests the settings on the best draws and refines them
-/// again if the error is still too large, for example for chaotic motion.
+/// the chain allow this. For all other force laws, the steps are shorter, because the error is
+/// proportional to the fourth power of the step. The function tests the settings on the best draws
+/// and refines them again if the error is still too large, for example for chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
-/// Returns the sampler's options for a given run time per likelihood. If a run with the defaults
-/// takes less than about a minute on two cores, the function returns the defaults. Otherwise, it
-/// sets the number of draws to what two cores compute in one minute. The actual number of cores has
-/// no effect, because results must not depend on it.
+/// Returns the sampler's options for a given run time per likelihood evaluation. If a run with the
+/// defaults takes less than about a minute on two cores, the function returns the defaults. For
+/// longer runs, it sets the number of draws to what two cores compute in one minute. The actual
+/// number of cores has no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

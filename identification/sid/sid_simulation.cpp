@@ -123,14 +123,13 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
       refuse("the true model's parameters are impossible: its natural frequencies overflow");
       break;
     case dynamics::Outcome::diverged:
-      refuse("the true model's response grows without bound, also with steps a quarter as long");
+      refuse("the true model's response grows without bound, even with a quarter of the time step");
       break;
     case dynamics::Outcome::steps_too_long:
       refuse(
-          "the true model's response cannot be integrated to 0.1 %: the shortest permitted steps "
-          "are too long (a force law is too stiff or the motion too fast for the sample rate, or "
-          "the "
-          "motion is chaotic). Raise \"sample_rate\", shorten the record, or fix the "
+          "the true model's response cannot be integrated to 0.1 %: the shortest permitted time "
+          "steps are too long (a force law is too stiff or the motion too fast for the sample "
+          "rate, or the motion is chaotic). Raise \"sample_rate\", shorten the record, or fix the "
           "steps yourself by \"integration\": {\"substeps\": …}");
       break;
   }

@@ -11,7 +11,7 @@
 namespace wheeltap::identification {
 
 /// Units of force and length for the coefficients of a chain of masses. For example, if force and
-/// displacement are in V, stiffnesses are in V/V. If no channel measures force, its unit is N.
+/// displacement are in V, stiffnesses are in V/V. If no channel measures force, the unit is N.
 struct UnitSystem {
   std::string force = "N", length = "m";
 

@@ -1,4 +1,4 @@
-// The lowest mode shapes of a structure as motions of its points and lines.
+// The lowest mode shapes of a structure as displacements of its points and lines.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 struct DrawnModes {
   fem::StructureDrawing drawing;
   std::vector<double> frequencies_hz;              ///< frequencies of the elastic modes
-  std::vector<std::vector<fem::Vector3>> motions;  ///< per mode and point; largest motion: 1
+  std::vector<std::vector<fem::Vector3>> motions;  ///< per mode and point; largest displacement: 1
 };
 
 /// Computes `modes` modes, but at most 12. The result is empty for a structure without coordinates

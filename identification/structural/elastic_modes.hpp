@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// Index of the first elastic frequency in `frequencies_hz` (ascending), of which at most `rigid`
-/// belong to rigid-body modes (fewer if supports prevent such motions).
+/// Index of the first elastic frequency in `frequencies_hz` (ascending). At most `rigid` of the
+/// frequencies belong to rigid-body modes; supports may reduce this number.
 [[nodiscard]] inline std::size_t first_elastic(const std::vector<double>& frequencies_hz,
                                                std::size_t rigid) {
   std::size_t first = 0;

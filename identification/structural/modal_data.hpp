@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 
 struct RepeatedTests;
 
-/// A sensor and the motion that it measures.
+/// A sensor and the displacement or rotation that it measures.
 struct Sensor {
   std::string name;  ///< "B, x"
   fem::SparseRow motion;
@@ -83,7 +83,7 @@ struct ModalData {
     for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
     return count;
   }
-  /// Number of modes that the structure must have. Gaps count unless shapes were measured.
+  /// Number of modes that the structure must have. Gaps count as modes if no shapes were measured.
   [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 

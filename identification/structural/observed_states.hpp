@@ -19,7 +19,7 @@ struct ObservedState {
   ModalData data = {};    ///< unknown noise parameters are common to all states
   bool damaged = false;   ///< true if the state contains the damages of the case
   std::vector<fem::StructureChange::Mass> masses = {};  ///< known added masses
-  double temperature = 0.0;                             ///< above the reference [K]
+  double temperature = 0.0;                             ///< temperature above the reference [K]
   /// Specified coefficients, in the order of `ObservedStates::known`.
   std::vector<double> known = {};
 };

@@ -8,8 +8,8 @@
 // with p degrees of freedom and the scale matrix diag(s_j²), where s_j is the robust scatter of
 // mode j; ν uniform on a list of values. This prior of Σ has the weight of one test. Without
 // missing frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom
-// about the mean of the tests. Its scale matrix is (S + diag(s_j²)) / N², with S the sum of squares
-// about the mean.
+// about the mean of the tests. The scale matrix of this distribution is (S + diag(s_j²)) / N², with
+// S the sum of squares about the mean.
 //
 // The posterior is drawn by Gibbs sampling with data augmentation (Liu 1996, "Bayesian robust
 // multivariate linear regression with incomplete data", J. Am. Stat. Assoc. 91:1219).
@@ -33,8 +33,8 @@ struct RepeatedTestsOptions {
 
 /// Smallest number of tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
-/// Smallest share of tests that must identify a mode. With a smaller share, the draws of the
-/// missing frequencies are so strongly correlated that the sampler does not converge.
+/// A mode must be identified in at least this fraction of the tests. Below this fraction, the draws
+/// of missing frequencies are so strongly correlated that the sampler does not converge.
 inline constexpr double kLeastShare = 0.05;
 /// A test whose posterior mean weight is below this limit is a probable outlier.
 inline constexpr double kOutlierWeight = 0.25;
@@ -53,7 +53,7 @@ struct RepeatedTests {
 
   /// Relative scatter of a single test: half the width of the central 68.3 % interval of ln f_j,
   /// i.e. √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it
-  /// equals the standard deviation. The lists hold its posterior mean and sd.
+  /// equals the standard deviation. The lists hold the posterior mean and sd of this scatter.
   std::vector<double> scatter = {}, scatter_sd = {};
   Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlation matrix of Σ
 
@@ -63,7 +63,7 @@ struct RepeatedTests {
 
   /// Correlation r_j of consecutive tests, in the order given, per mode. Significant correlation
   /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
-  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
+  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. If not, inflation_j = 1.
   std::vector<double> serial_correlation = {}, inflation = {};
 };
 
@@ -74,9 +74,9 @@ inline constexpr double kSerialLevel = 2.0;
 /// \param frequencies_hz tests × modes, > 0; NaN: not identified
 /// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
 /// tests. Throws std::invalid_argument, with the mode, in three cases: a frequency is not
-/// positive; all frequencies of a mode are equal; a mode was identified, but in fewer than
-/// kLeastTests tests or in less than the share kLeastShare of the
-/// tests.
+/// positive; all frequencies of a mode are equal; or a mode was identified, but in fewer than
+/// kLeastTests tests, or in a fraction of the tests that is
+/// smaller than kLeastShare.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});
 

@@ -1,5 +1,5 @@
-// Plausibility checks of a structure without its data. They find, for example, a modulus in GPa,
-// unconnected nodes, or members that cross without a joint.
+// Plausibility checks of a structure without its data. The checks find, for example, a modulus in
+// GPa, unconnected nodes, or members that cross without a joint.
 #pragma once
 
 #include <optional>

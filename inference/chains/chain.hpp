@@ -1,4 +1,4 @@
-// The draws of one Markov chain over (model, parameters), and a view of one draw.
+// The draws of one Markov chain over models and their parameters, and a view of one draw.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct Draw {
 struct Chain {
   DrawList<int> model;
   DrawList<double> theta;      ///< physical parameters, in the layout of Model
-  DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln prior factor, in physical units
+  DrawList<double> log_prior;  ///< log prior density: ln P(model) + Σ ln p(x) + ln prior factor
   DrawList<double> log_likelihood;
   DrawList<std::int16_t> move;  ///< last attempted move, as an index into Posterior::moves
   DrawList<std::uint8_t> accepted;

@@ -1,4 +1,4 @@
-// A subset of one Markov chain's draws within each model, thinned evenly and limited in number.
+// An evenly thinned subset of the draws of one Markov chain, of limited size for each model.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace wheeltap::inference {
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// Keeps kKeep to 2 kKeep draws of each model, in order and equally spaced. If a model has more
-/// draws, every second draw is deleted and the thinning interval doubles.
+/// Stores between kKeep and 2 kKeep draws of each model, in order and at equal intervals. If a
+/// model has more draws, every second draw is deleted and the thinning interval doubles.
 class KeptDraws {
  public:
   struct OfModel {

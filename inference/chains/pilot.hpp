@@ -1,4 +1,4 @@
-// Warm-up: it begins with draws of the priors, and fits proposals to samples of the posterior.
+// Warm-up: starts from draws of the priors and fits the proposals to samples of the posterior.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace wheeltap::inference {
 
-/// Tables of the effects of single components, one per kind (null for a kind without a table). The
+/// Tables of the effects of single components, one table per component kind (null: no table). The
 /// tables are computed once and shared by all chains.
 using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 [[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
@@ -30,7 +30,7 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States sampled in warm-up, listed for each model and thinned to a few thousand states.
+/// States of a chain in warm-up: one list per model, thinned to a few thousand states.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);
@@ -77,15 +77,15 @@ struct PilotOptions {
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< largest number of samples in the fit of a mixture
   int most_components = 20;          ///< largest number of components of a mixture
-  double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, as mean log density per sample
+  double tolerance = 1e-7;  ///< tolerance of a mixture's last EM fit: mean log density per sample
   /// Additional samples of each model's posterior, for example from regions that the chains may not
   /// have visited. The list may be empty.
   std::vector<Eigen::MatrixXd> besides{};
-  /// Probability of each model. If the list is empty, each model's share of the visits at the
+  /// Probability of each model. If the list is empty, the fraction of visits to each model at the
   /// coldest temperature is used instead.
   std::vector<double> probability{};
-  /// Posterior modes of each model, found by the mode searches. A mode that the fitted mixture does
-  /// not cover is added to the mixture.
+  /// Posterior modes of each model, found by the mode searches. A posterior mode that the fitted
+  /// mixture does not cover is added to the mixture.
   std::vector<std::vector<NormalMixture::Component>> modes{};
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
@@ -97,9 +97,9 @@ struct PilotOptions {
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// Where the steps of the chains lead: mostly within the fitted proposals; also outside, while they
-/// are fitted; or outside although they are fitted, because they do not cover the posterior (for
-/// example heavy tails in many parameters). In the last case, slice sampling is added.
+/// Regions to which the MCMC steps lead. With `fitted`: mostly the fitted proposals. With `tuning`:
+/// also regions outside, while proposals are being fitted. With `beyond`: also regions outside that
+/// the fitted proposals do not cover (e.g. heavy tails); slice sampling is then added.
 enum class Reach { fitted, tuning, beyond };
 
 /// All kernels, including those with pilot proposals.

@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over swaps with acceptance rate α, per pair
   std::vector<long> tried{};        ///< number of attempted swaps of each pair of neighbours
-  /// Per replica: +1 if the replica was last at the end β = 0 of the ladder, -1 if at the end β = 1
+  /// Per replica: +1 if its last visited end of the ladder is β = 0, -1 if this end is β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -39,8 +39,8 @@ struct Ladder {
 ///   π_i(m, z) ∝ e^{w_i(m)} · prior(m, z) · likelihood^{β_i}.
 ///
 /// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
-/// Neighbouring replicas attempt swaps, alternately in all even and all odd pairs. This
-/// deterministic scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
+/// Neighbouring replicas attempt swaps, alternately in all even and all odd pairs. With this
+/// deterministic scheme, longer ladders keep the round-trip rate (Syed et al. 2022).
 ///
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
 /// chain would find a model whose tempered evidence is low at intermediate temperatures, even if
@@ -97,7 +97,7 @@ class TemperedChain {
     return ladder_.states[static_cast<std::size_t>(rung)];
   }
   [[nodiscard]] const State& cold() const { return ladder_.states.back(); }
-  /// Completed round trips of replicas from β = 0 to β = 1 and back since the last reset.
+  /// Number of completed round trips of replicas from β = 0 to β = 1 and back since the last reset.
   [[nodiscard]] long round_trips() const { return ladder_.round_trips; }
   void reset_round_trips() { ladder_.reset_round_trips(); }
 
@@ -118,11 +118,11 @@ class TemperedChain {
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from
-/// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
+/// their prior: 100 000 draws, or 5000 if the record can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
-/// the first model, if the likelihood of all models is zero at every draw. The function `goes_on`
-/// may be empty. Otherwise the function is called before every draw, with the completed share of
-/// the largest possible number of draws. If it returns false, the remaining models are not checked.
+/// the first model, if the likelihood of all models is zero at every draw. The optional function
+/// `goes_on` is called before every draw with the completed fraction of the maximum number of
+/// draws. If `goes_on` returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});
 

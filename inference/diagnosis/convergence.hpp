@@ -13,17 +13,17 @@ namespace wheeltap::inference {
 struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
-  double ess_within = 20.0;  ///< smallest lower limit of a parameter's effective sample size
+  double ess_within = 20.0;  ///< required effective sample size of parameters, even if P is small
   /// Lower limit of the tail effective sample size of parameters, relative to the limit of their
   /// bulk effective sample size.
   double ess_tail_share = 0.5;
-  /// Limit of R-hat above which the chains are in different regions or disagree on the shares of
-  /// posterior modes.
+  /// Limit of R-hat above which the chains are in different regions or disagree on the
+  /// probabilities of posterior modes.
   double rhat_apart = 1.05;
   double known = 0.001;  ///< negligible error of a model probability
   /// Error of a model probability that is small enough to stop the run
   double worth_knowing = 0.004;
-  /// Expected number of effective draws above which a chain must have draws (0 by chance: e⁻¹⁰)
+  /// A chain must have draws if more effective draws than this are expected (chance: e⁻¹⁰)
   double expected_visits = 10.0;
   /// Smallest significant difference of two estimates, in standard errors (false-alarm rate 7e-6)
   double sigmas = 4.5;
@@ -32,20 +32,20 @@ struct ConvergenceLimits {
   double slack_probability = 0.005;
   double slack_nats = 0.5;
   double probable_model = 0.05;
-  /// Model probability above which the convergence of its parameters is judged
+  /// If a model has more than this probability, the convergence of its parameters is judged
   double judged_model = 0.01;
   double searched_model = 0.001;  ///< model probability above which a full search is required
-  /// The chains must agree on the share of a posterior mode if this share and the rest both exceed
-  /// this limit
+  /// The chains must agree on the probability P of a posterior mode if P and 1 - P exceed this
+  /// limit
   double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
   /// density to mixture density is above `beyond_mixture`. The rule for draws outside the mixture
-  /// applies if their share is above `beyond_share`. `beyond_visits` is the required number of
-  /// effective visits outside the mixture; this gives the share a relative error of 0.1.
+  /// applies if the fraction of such draws exceeds `beyond_share`. `beyond_visits` is the number of
+  /// effective visits required outside; the fraction then has a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
-  /// `annealed_share` limits the excess of SMC draws outside the mixture: the share of the SMC
-  /// draws minus the share of the chains' draws, times the probability of the model.
-  /// `annealed_draws_an_effective` is the number of SMC draws that count as one independent draw.
+  /// `annealed_share` limits an excess: the fraction of SMC draws outside the mixture, minus the
+  /// fraction of chain draws outside it, times the model probability. `annealed_draws_an_effective`
+  /// is the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
   /// Smallest number of draws per chain within a model for the assessment of R-hat
   std::size_t fewest_draws = 100;
@@ -54,13 +54,13 @@ struct ConvergenceLimits {
 };
 inline constexpr ConvergenceLimits kLimits{};
 
-/// True if the run may stop: no rule is violated, and the error of every model's share of the draws
-/// is at most 0.004 (0.001 if `balanced`: the draws then visit all models about equally often).
+/// True if the run may stop: it violates no rule, and the error of each model's fraction of draws
+/// is at most 0.004 (0.001 if `balanced`: all models are then visited about equally).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// The share of SMC draws outside the model's mixture minus the chains' share of draws outside the
-/// mixture. The result is 0 if this difference is negative or unknown. The result is also 0 if the
-/// chains visited the region outside the mixture often enough to estimate the share better.
+/// The fraction of SMC draws outside the model's mixture, minus the fraction of chain draws outside
+/// it. The result is 0 if this difference is negative or unknown. The result is also 0 if the
+/// chains visited the region outside the mixture often enough for a better estimate.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
 /// True if the excess (annealed_excess) is above `share` and significant. For the test, 2√k of a

@@ -16,17 +16,17 @@ namespace wheeltap::inference {
 /// every model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
-  std::function<ChainsOf()> draws;  ///< called when the quantity is judged, one at a time
+  std::function<ChainsOf()> draws;  ///< called to judge the quantity, never concurrently
 };
 
 struct Mixing {
-  /// R-hat of the log posterior, of the count of each kind (or of the indicators of models with a
-  /// probability of 0.1 % to 99.9 %), and of the watched quantities, in this order.
+  /// R-hat of the log posterior, of the number of components of each kind (or of the indicators of
+  /// models with a probability of 0.1 % to 99.9 %), and of the watched quantities, in this order.
   std::vector<std::pair<std::string, double>> rhats;
   double rhat_max =
       std::numeric_limits<double>::quiet_NaN();  ///< largest R-hat of all judged quantities
   std::string rhat_worst;                        ///< the quantity with the largest R-hat
-  /// The smaller of bulk and tail effective sample size
+  /// Effective sample size of the log posterior: the smaller of bulk and tail value
   double ess_log_posterior = 0.0;
   /// The smallest effective sample size over counts or indicators. If counts and indicators hardly
   /// change, `ess_model` is the effective sample size of the log posterior.

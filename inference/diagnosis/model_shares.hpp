@@ -1,9 +1,9 @@
-// Share of the draws that belong to each model, and the model probabilities that follow from the
-// shares.
+// Fraction of the draws in each model, and the model probabilities computed from these
+// fractions.
 //
 //   P_m ≈ w_m s_m / Σ_k w_k s_k,
 //
-// with s_m the share of the draws in model m and w_m the weight of a draw of model m.
+// with s_m the fraction of the draws in model m and w_m the weight of a draw of model m.
 #pragma once
 
 #include <vector>
@@ -14,14 +14,14 @@ namespace wheeltap::inference {
 
 struct ModelShares {
   std::vector<std::vector<long>> counts;  ///< number of draws, chains × models
-  std::vector<double> visits;             ///< share s of the draws, one per model
+  std::vector<double> visits;             ///< fraction s of the draws in each model
   std::vector<double> weight;             ///< weight w, scaled to the mean 1 over the draws
-  /// Weighted share of the draws, which estimates the model probability
+  /// Weighted fraction of the draws in each model: the estimated model probability
   std::vector<double> share;
   std::vector<double> error;  ///< Monte Carlo standard error of `share`
 };
 
-/// The error of a share is the standard error of the mean of w (indicator - P) / Σ w s (delta
+/// The error of `share` is the standard error of the mean of w (indicator - P) / Σ w s (delta
 /// method).
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 

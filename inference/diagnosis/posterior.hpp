@@ -33,10 +33,10 @@ struct MoveStatistics {
 struct FoundMode {
   std::vector<double> x;       ///< physical parameters
   double log_posterior = 0.0;  ///< log posterior density in standard normal coordinates
-  long climbs = 0;             ///< number of local optimisations that ended at this mode
-  /// Share of the model's probability mass near this mode, by importance sampling
+  long climbs = 0;             ///< number of local optimisations that ended at this posterior mode
+  /// Fraction of the model's probability mass near this posterior mode, by importance sampling
   double share = 0.0;
-  /// Share of each chain's draws of the model that are near the mode; NaN: no draws
+  /// Fraction of the model's draws near this posterior mode, one per chain; NaN: no draws
   std::vector<double> drawn;
 };
 
@@ -53,8 +53,8 @@ struct ModelFindings {
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes that the search did not keep, because it keeps a limited number,
-  /// and their share of the model's probability mass by Laplace's method.
+  /// Number of posterior modes that the search did not keep, because it keeps a limited number;
+  /// fraction of the model's probability mass at these modes (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
@@ -67,13 +67,13 @@ struct ModelFindings {
       /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
       /// has too few draws.
       kNoEvidence;
-  /// Share of the model's draws at which the mixture has less than a thousandth of the posterior
-  /// density, and the effective sample size of this share. Only local moves reach draws outside the
-  /// mixture. Both values are NaN if `bridged` is NaN.
+  /// Fraction of the model's draws at which the mixture has less than a thousandth of the posterior
+  /// density, and the effective sample size of this fraction. Only local moves reach draws outside
+  /// the mixture. Both values are NaN if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// Share of the SMC draws that lie outside the mixture and from which chains do not return to the
-  /// mixture. NaN if the share was not examined.
+  /// Fraction of the SMC draws that lie outside the mixture and from which chains do not return to
+  /// the mixture; NaN if not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };
@@ -91,12 +91,12 @@ struct Calls {
                       ///< draws
 };
 
-/// Decisions that the engine made in addition to the options.
+/// Decisions of the engine that no option prescribes.
 enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,
   /// The mode search used the first samples of a record, then followed each posterior mode as more
-  /// samples were added. The chains started near the resulting modes.
+  /// samples were added. The chains started near the resulting posterior modes.
   started_on_first_samples,
   /// The run was stopped before its first draw; the draws come from the mode searches
   drawn_by_searches,
@@ -122,7 +122,7 @@ struct RunRecord {
   bool tempered_draws = false;  ///< true if the draws were made with parallel tempering
   /// Round trips from β = 0 to β = 1 and back during the draws, over all chains
   long ladder_round_trips = 0;
-  /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no ladder
+  /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no temperature ladder
   double barrier = 0.0;
   long impossible = 0;  ///< number of likelihood values of NaN or +∞, which count as -∞
   /// Models with a likelihood of zero at every draw from their prior; their probability is 0.
@@ -137,7 +137,7 @@ struct Posterior : RunRecord {
   std::vector<Chain> chains;
   std::vector<ModelFindings> found;  ///< one per model
   /// Log weight of a draw, for each model; empty if all weights are equal. With `Options::balance`,
-  /// the chains visit models more evenly than in proportion to their probabilities, and the weights
+  /// the chains visit improbable models more often than their probabilities imply; the weights
   /// correct for this.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
@@ -150,17 +150,17 @@ struct Posterior : RunRecord {
     const auto width = static_cast<std::size_t>(dimension);
     return {chains[c].theta.data() + i * width, width};
   }
-  /// Chain and index of the draw with the largest likelihood. If several draws have this
-  /// likelihood, the first draw is returned.
+  /// Chain and index of the draw with the largest likelihood. If several draws have the largest
+  /// likelihood, the first of these draws is returned.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // Queries. Each of the first four queries diagnoses the whole run (verdict.hpp), which requires
+  // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp), which requires
   // sorting all draws. For repeated queries, call `judge(posterior)` once and use its result. A
   // model is given by index or name; an unknown index or name throws std::invalid_argument.
 
-  /// P(model | data): the share of the model's draws, or the probability implied by its evidence if
-  /// the draws are not reliable (ModelStanding). If neither is known, the probability is 0 and its
-  /// error NaN.
+  /// P(model | data): the fraction of draws in the model, or the probability implied by its
+  /// evidence if the draws are not reliable (ModelStanding). If neither is known, the probability
+  /// is 0 and its error NaN.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
   /// ln of the Bayes factor B_ab of models a and b. Value and error are NaN if a or b has neither

@@ -55,12 +55,13 @@ struct VerdictSentence {
     return (r.visited == 0 ? std::string("No chain has")
                            : "Only " + std::to_string(r.visited) + " of " +
                                  std::to_string(r.chains) + " chains have") +
-           " draws of a mode of model " + quoted(r.model) + " that the searches found (about " +
-           share_of(r.share) + " of that model's probability).";
+           " draws near a posterior mode of model " + quoted(r.model) +
+           " that the searches found (about " + share_of(r.share) +
+           " of that model's probability).";
   }
   std::string operator()(const ModeSharesDisagree& r) const {
-    return "The chains disagree about a mode of model " + quoted(r.model) +
-           ": the share of this mode in the draws of that model is " + share_of(r.lowest) + " to " +
+    return "The chains disagree about a posterior mode of model " + quoted(r.model) +
+           ": the fraction of the model's draws near this mode is " + share_of(r.lowest) + " to " +
            share_of(r.highest) + " (R-hat " + base::readable(r.rhat, 3) + ").";
   }
   std::string operator()(const AnnealingFindsMore& r) const {
@@ -92,7 +93,7 @@ struct VerdictSentence {
            base::readable(r.factor, 2) + implied(r.by_evidence) + ".";
   }
   std::string operator()(const ModesLeftOut& r) const {
-    return "The search for the modes of model " + quoted(r.model) + " found " +
+    return "The search for posterior modes of model " + quoted(r.model) + " found " +
            std::to_string(r.modes) + (r.modes == 1 ? " mode" : " modes") +
            " more than it can keep (about " + share_of(r.share) + " of that model's probability).";
   }

@@ -15,7 +15,7 @@ class ModelSpace;
 struct ModelNotEntered {
   int model = 0;
   long proposed = 0;       ///< proposed jumps into the model after warm-up
-  Estimate by_evidence{};  ///< model probability by evidence
+  Estimate by_evidence{};  ///< model probability computed from its evidence
 };
 /// A model has many draws in some chains and none in others.
 struct ModelNotInEveryChain {
@@ -28,14 +28,14 @@ struct ModelUnknown {
   int model = 0;
   long proposed = 0;  ///< proposed jumps into the model after warm-up
 };
-/// A Markov chain has no draws near a posterior mode that a search found and that the chain should
-/// have visited.
+/// A Markov chain has no draws near a posterior mode that the mode search found and the chain
+/// should have visited.
 struct ModeNotInEveryChain {
   int model = 0;
-  double share = 0.0;  ///< share of the model's probability mass near this mode
+  double share = 0.0;  ///< fraction of the model's probability mass near this posterior mode
   int visited = 0, chains = 0;
 };
-/// The chains disagree on the share of the draws of a model that lie near a posterior mode.
+/// The chains disagree on the fraction of a model's draws that lie near a posterior mode.
 struct ModeSharesDisagree {
   int model = 0;
   double lowest = 0.0, highest = 0.0;
@@ -46,7 +46,7 @@ struct AnnealingFindsMore {
   int model = 0;
   Estimate annealed{}, drawn{};  ///< ln Z by SMC, and by the draws
 };
-/// A model's share of the draws differs from the probability implied by the evidence.
+/// The fraction of draws in a model differs from the model probability given by the evidence.
 struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
@@ -55,18 +55,18 @@ struct EvidenceDisagrees {
 /// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
-  double share = 0.0;                ///< share of the model's draws that lie outside its mixture
+  double share = 0.0;                ///< fraction of the model's draws outside its mixture
   double visits = 0.0, limit = 0.0;  ///< effective visits outside the mixture; must exceed `limit`
 };
-/// The share of SMC draws outside a model's mixture is larger than the share of the chains' draws
-/// outside the mixture. Chains that start at these SMC draws stay outside the mixture.
+/// The fraction of SMC draws outside a model's mixture is larger than the fraction of chain draws
+/// outside it. Chains that start at these SMC draws stay outside the mixture.
 struct AnnealingDrawsBeyond {
   int model = 0;
-  /// Share of the draws outside the mixture, by SMC and by the chains.
+  /// Fractions of the SMC draws and of the chain draws that lie outside the mixture.
   double annealed = 0.0, drawn = 0.0;
 };
-/// The largest importance weights of a model's evidence have such a heavy tail that a larger sample
-/// may give a far larger evidence, and the model's draws do not confirm the evidence.
+/// The importance weights of a model's evidence have a heavy tail: a larger sample may give a far
+/// larger evidence. The model's draws do not confirm the evidence.
 struct EvidenceUnreliable {
   int model = 0;
   double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
@@ -76,15 +76,15 @@ struct EvidenceUnreliable {
 /// A search found more separate posterior modes than it can keep.
 struct ModesLeftOut {
   int model = 0;
-  long modes = 0;      ///< number of modes that were left out
-  double share = 0.0;  ///< share of these modes in the model's probability mass (Laplace)
+  long modes = 0;      ///< number of posterior modes that were left out
+  double share = 0.0;  ///< fraction of the probability mass at these modes (Laplace)
 };
-/// R-hat of a quantity with the same meaning in every model is too large.
+/// R-hat is too large for a quantity that has the same meaning in every model.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or a watched quantity
   double rhat = 0.0, limit = 0.0;  ///< R-hat, which must be below `limit`
 };
-/// Too few effective draws of a quantity with the same meaning in every model.
+/// Too few effective draws of a quantity that has the same meaning in every model.
 struct TooFewEffectiveDraws {
   std::string quantity;           ///< "log posterior", "count", "model"
   double ess = 0.0, limit = 0.0;  ///< effective sample size, which must exceed `limit`
@@ -102,7 +102,7 @@ struct ParameterMovesSlowly {
   int model = 0;
   std::string parameter;
   double ess = 0.0, limit = 0.0;
-  bool tail = false;  ///< true: too few effective draws of its 5 % and 95 % quantiles
+  bool tail = false;  ///< true: too few effective draws for its 5 % and 95 % quantiles
 };
 /// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {
@@ -119,8 +119,8 @@ using Reason =
                  TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
                  StoppedEarly, QuickLook>;
 
-/// A sentence that states the values of the reason. For ChainsDisagree and TooFewEffectiveDraws,
-/// the result is a clause without a full stop. The caller adds the advice
+/// A sentence with the values that belong to the reason. For ChainsDisagree and
+/// TooFewEffectiveDraws, the result is a clause without a full stop. The caller adds the advice
 /// (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);
 

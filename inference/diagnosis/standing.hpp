@@ -14,17 +14,17 @@
 
 namespace wheeltap::inference {
 
-/// Source of a model's probability: the share of the model's draws, or its evidence if a chain did
-/// not visit the model although it should have.
+/// Source of a model's probability: the fraction of draws in the model, or its evidence if a chain
+/// should have visited the model but did not.
 enum class Basis { draws, evidence };
 
 /// Probability and evidence of one model.
 struct ModelStanding {
-  double probability = 0.0;  ///< model probability; 0 with `mcse` = NaN if it is unknown
+  double probability = 0.0;  ///< model probability; if unknown: 0, and `mcse` is NaN
   /// Monte Carlo standard error of `probability`. For a probability from draws, the error is at
-  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less. The error then
-  /// also includes the excess of the SMC draws (annealed_excess). For a probability from evidence,
-  /// the error follows from the errors of all evidences.
+  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less; this error
+  /// includes the excess of SMC draws (annealed_excess). For a probability from evidence, the error
+  /// follows from the errors of all evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
   Basis basis = Basis::draws;
   int visited = 0;    ///< number of chains with draws of the model
@@ -53,16 +53,16 @@ struct Standings {
 };
 
 /// Computes the probabilities. The evidence of a model comes from bridge sampling, which uses the
-/// draws. If bridge sampling has no result, the evidence comes from importance sampling with a
-/// finite error, otherwise from SMC. Every chain should visit a model if its probability by
-/// evidence times the number of effective draws per chain exceeds 10.
+/// draws. If bridge sampling has no result, the evidence comes from importance sampling or, if its
+/// error is not finite, from SMC. Every chain should visit a model if the model probability from
+/// the evidence, times the effective draws per chain, exceeds 10.
 [[nodiscard]] Standings standings(const Posterior& posterior, const ModelShares& shares,
                                   const Mixing& mixing);
 
 /// ln of the Bayes factor B_ab of models a and b. B_ab follows from the evidences if the
-/// probability of a or b comes from its evidence, otherwise from the draws. For draws, the error is
-/// the standard error of the mean of indicator_a / s_a - indicator_b / s_b (delta method). The
-/// error is at least the effect of one effective draw more or less in the less probable model.
+/// probability of a or b comes from its evidence, and from the draws in other cases. For draws, the
+/// error is the standard error of the mean of indicator_a / s_a - indicator_b / s_b (delta method).
+/// The error is at least the effect of one effective draw more or less in the less probable model.
 [[nodiscard]] Estimate log_bayes_factor(const Posterior& posterior, int a, int b);
 
 }  // namespace wheeltap::inference

@@ -1,5 +1,5 @@
-// Diagnosis of a run: visits and evidence of each model, convergence of the run, and the
-// convergence rules that the run violates.
+// Convergence diagnosis of a run: visits and evidence of each model, and the convergence rules that
+// the run violates.
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@
 
 namespace wheeltap::inference {
 
-/// Diagnosis of a whole run.
+/// Convergence diagnosis of a whole run.
 struct Verdict {
   std::vector<ModelStanding> models;    ///< one element per model of the model space
   bool converged = false;               ///< true exactly if `not_established` is empty
@@ -23,14 +23,14 @@ struct Verdict {
                                         ///< descending model probability
   /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
   /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
-  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n), at its largest over
-  /// the models; it is 1 without a search. In a long list, models with only local optimisations and
-  /// a probability below kLimits.searched_model are excluded.
+  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n); `resolution` is the
+  /// largest over the models, 1 without a search. In a long list, models with only local
+  /// optimisations and a probability below kLimits.searched_model are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
-  /// not known. The search may miss a narrower mode even if its basin of steepest ascent exceeds
-  /// `resolution` (resolution_of).
+  /// not known. The search may miss a narrower posterior mode even if its basin of steepest ascent
+  /// exceeds `resolution` (resolution_of).
   double resolved_width = 0.0;
   /// Number of models searched by local optimisations alone; `resolution` excludes these
   int glanced = 0;
@@ -50,7 +50,7 @@ struct Verdict {
   double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail effective sample size
 
-  /// `resolution` for modes of the given width, in standard deviations of the prior
+  /// `resolution` for posterior modes of the given width, in standard deviations of the prior
   /// (search_resolution).
   [[nodiscard]] double resolution_of(double width) const {
     return search_resolution(resolution, resolved_width, width);
@@ -64,15 +64,15 @@ struct Verdict {
 /// - Every chain visited, at β = 1, every model whose probability by evidence times the effective
 ///   draws per chain exceeds 10 (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or evidence,
 ///   or a prior weight of 0, or lies outside Occam's window.
-/// - Probabilities by visits and by evidence agree within 4.5 combined errors (7e-6) plus 0.005. No
-///   ln Z by SMC exceeds ln Z of the draws by more than 4.5 errors plus half a nat. The evidence by
-///   SMC may be lower, because SMC may miss a mode that the chains visit.
+/// - Model probabilities from visits and from evidence agree within 4.5 combined errors (7e-6) plus
+///   0.005. No ln Z by SMC exceeds ln Z of the draws by more than 4.5 standard errors plus 0.5. The
+///   evidence by SMC may be lower, because SMC may miss a posterior mode that the chains visit.
 /// - Every chain visited each posterior mode that the searches found and that should have more than
-///   10 effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within
-///   the variability expected for the number of effective draws (1e-6).
+///   10 effective draws per chain (5e-5). R-hat of the posterior mode's indicator is below 1.05, or
+///   within the variability expected for the number of effective draws (1e-6).
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
-///   are outside, their share must be known to a relative error of 0.1. This error requires 100
+///   are outside, this fraction must have a relative error of at most 0.1. This error requires 100
 ///   effective visits. Only local moves reach draws outside the mixture. In the neck of a funnel,
 ///   all chains may agree although they have visited only half of the neck.
 /// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts

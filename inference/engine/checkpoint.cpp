@@ -236,7 +236,7 @@ Checkpoint::Column empty_column(std::size_t type) {
 }
 
 void expect(bool holds, const char* what) {
-  if (!holds) throw CheckpointError(std::string("it belongs to a problem with other ") + what);
+  if (!holds) throw CheckpointError(std::string("it belongs to a problem with different ") + what);
 }
 
 // Checks that all indices of the run state are in range.

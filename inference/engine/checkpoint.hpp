@@ -44,14 +44,14 @@ class CheckpointError : public std::runtime_error {
 [[nodiscard]] Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last);
 /// Reads draws from columns. Throws CheckpointError if the number of draws is not `n`.
 [[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
-/// The separately saved parts of the draws that a checkpoint needs: the number of the first part,
-/// and the number of parts.
+/// The separately saved parts of the draws that a checkpoint needs: index of the first part, and
+/// count of the parts.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
-/// Restores the run, bit for bit. The columns omit the parts that can be recomputed from the rest:
-/// the model space, the conditional proposals and the results of the last evidence computation.
-/// Throws CheckpointError if a column is missing, too short, too long or unknown, or if the columns
-/// belong to another number of chains, models or parameters.
+/// Restores the run, bit for bit. The columns omit whatever can be recomputed: the model space, the
+/// conditional proposals and the results of the last evidence computation. Throws CheckpointError
+/// if a column is missing, too short, too long or unknown, or if the columns belong to a different
+/// number of chains, models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
 /// Packs a chain and its draws for another rank of the same run, which unpacks them bit for bit.

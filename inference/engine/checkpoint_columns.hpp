@@ -136,7 +136,7 @@ class Writer {
         column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
         for (const auto& entry : value) {
           if constexpr (kIsList<typename T::value_type>) {
-            // The length of `entry` is in another column than the length of `value`
+            // The lengths of `entry` and of `value` are in different columns
             (*this)("each", entry);
           } else {
             put(entry);

@@ -8,16 +8,16 @@
 
 namespace wheeltap::inference {
 
-/// Excess share of SMC draws outside the mixture (lacks_annealed) above which chains are started at
-/// these draws and proposals are fitted to the states of these chains. The value is lower than the
-/// limit of the convergence diagnosis.
+/// If the excess fraction of SMC draws outside the mixture (lacks_annealed) is above this value,
+/// chains start at these draws, and proposals are fitted to the states of these chains. The value
+/// is lower than the limit of the convergence diagnosis.
 inline constexpr double kWorthFollowing = 0.01;
 
 /// SMC approaches the posterior from the whole prior. SMC can therefore sample regions, such as the
 /// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If a
-/// larger share of a model's SMC draws than of its chain draws lies outside the mixture, this
+/// larger fraction of SMC draws than of chain draws of a model lies outside the mixture, this
 /// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
-/// steps, the SMC draw was an error of SMC. If the chain stays outside, the region is a part of the
+/// steps, the draw was an artefact of SMC. If the chain stays outside, the region is a part of the
 /// posterior. The function sets ModelFindings::annealed_beyond of models with a probability of at
 /// least 1 %; call this function after weigh(). Returns the states of the new chains outside their
 /// model's mixture, dimension × n, one matrix per model.

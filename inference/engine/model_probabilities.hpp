@@ -15,7 +15,7 @@ void estimate_probabilities(const RunContext& run, RunState& state);
 /// Sets the model probabilities to the prior probabilities, for a run without likelihood.
 void take_prior_probabilities(const RunContext& run, RunState& state);
 
-/// Updates the probabilities of models with enough expected or observed visits, using the visits of
+/// Updates the probabilities of models with enough expected or observed visits, from the visits in
 /// the last tuning round. The ratios of the other models' probabilities to the updated
 /// probabilities stay the same.
 void learn_probabilities(RunState& state, const PilotSamples& last_round);

@@ -36,7 +36,7 @@ void prepend_saved_draws(const Options::Checkpoints& from, const std::filesystem
     chains[c].append(state.posterior.chains[c]);
     if (chains[c].theta.size() !=
         chains[c].size() * static_cast<std::size_t>(state.posterior.dimension))
-      throw CheckpointError("a part of its draws belongs to a problem with other parameters");
+      throw CheckpointError("a part of its draws belongs to a problem with different parameters");
     state.posterior.chains[c] = std::move(chains[c]);
   }
 }
@@ -71,7 +71,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     prepend_saved_draws(options.checkpoints, options.draws_folder, state);
     for (const Chain& chain : state.posterior.chains)
       if (static_cast<long>(chain.size()) > state.at.goal)
-        throw CheckpointError("it has more draws than the options ask for");
+        throw CheckpointError("it has more draws than the options request");
     resume(run, state);
   } else {
     state = begin(run);

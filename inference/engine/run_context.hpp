@@ -1,4 +1,4 @@
-// The parts of a run that are not stored in a checkpoint: problem, options, and one target per
+// The data of a run that are not stored in a checkpoint: problem, options, and one target per
 // chain.
 #pragma once
 
@@ -25,11 +25,11 @@ inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
 inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an evaluation is costly
-/// True if the likelihood is expensive: the data are a long record or the problem is costly, and
-/// the engine chooses the number of draws. Tuning steps and thinning, which reduce the
-/// autocorrelation of the draws, are then halved. The reason is that each MCMC step takes about a
-/// hundred times as long as with a likelihood given by a formula. A costly problem has no thinning.
-/// The run continues in any case until it has enough draws.
+/// True if the engine chooses the number of draws and the likelihood is expensive: a long record or
+/// a costly problem. The number of tuning steps and the thinning interval are then halved, because
+/// each MCMC step takes about a hundred times as long as with a likelihood given by a formula. For
+/// a costly problem, the draws are not thinned. The run continues in any case until it has enough
+/// draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return (problem.samples > 0 || problem.costly) && options.draws == 0;
 }
@@ -38,8 +38,8 @@ inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an ev
   if (options.draws > 0) return options.draws;
   return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
-/// The number of SMC particles for the exploration of each of several models, in a run that is
-/// `brief` times as long as a default run.
+/// The number of SMC particles with which each of several models is explored. `brief` is the length
+/// of the run relative to a default run.
 [[nodiscard]] inline int annealing_particles(const Problem& problem, double brief, double models) {
   constexpr double kAll = 12000.0, kFewest = 400.0, kMost = 1200.0;
   if (problem.costly) return static_cast<int>(kFewest);

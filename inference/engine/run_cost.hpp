@@ -7,12 +7,12 @@
 namespace wheeltap::inference {
 
 /// Estimated cost of a run. If the run time of a likelihood evaluation was measured, the estimate
-/// is correct within a factor of three in nine of ten runs (docs/scale.md); otherwise within a
-/// factor of ten.
+/// is correct within a factor of three in nine of ten runs (docs/scale.md); without measurement,
+/// within a factor of ten.
 struct RunCost {
   double bytes = 0.0;  ///< peak memory
-  double disk = 0.0;   ///< largest size of the folder of the results, in bytes
-  /// Number of likelihood evaluations, or of FE runs for a table of FE runs
+  double disk = 0.0;   ///< largest size of the results folder [bytes]
+  /// Number of likelihood evaluations, or of FE solutions in a table
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;
@@ -25,7 +25,7 @@ struct ProblemSize {
   double models = 1.0;
   double dimensions = 0.0;   ///< sum of the dimensions of all models
   double largest = 0.0;      ///< largest dimension of a model
-  double predictions = 0.0;  ///< count of numbers stored per draw in addition to the parameters
+  double predictions = 0.0;  ///< values stored per draw besides the parameters
   double explored = 0.0;     ///< likelihood evaluations per dimension before the first draw
   double seconds_a_likelihood = 0.0;
 };

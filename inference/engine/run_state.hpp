@@ -1,4 +1,4 @@
-// State of a run between two rounds, as a value: checkpoints store it and ranks exchange it.
+// State of a run between two rounds, stored in checkpoints and exchanged between ranks.
 #pragma once
 
 #include <limits>
@@ -52,8 +52,8 @@ struct ChainState {
   AdaptationState adaptation{};
 };
 
-/// Position in the run, that is its next step. A resumed run repeats the work after the last stored
-/// position with the same result.
+/// Position in the run: the next step to be executed. A resumed run repeats the work after the last
+/// stored position with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
   enum class Explore { begin, climb, look, search, anneal };
@@ -80,11 +80,11 @@ struct Position {
   int refits = 0;  ///< number of fits of the proposals to draws
 
   // Parts of the draws that are saved separately (Options::Checkpoints::save_draws):
-  long first_part = 0;                ///< number of the first separately saved part
+  long first_part = 0;                ///< index of the first separately saved part
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// Posterior modes of one model whose shares of the draws are counted.
+/// Posterior modes of one model; the draws near each of them are counted.
 struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;
@@ -115,7 +115,7 @@ struct RunState {
   std::vector<CountedModes> weighty_modes;
   std::vector<std::vector<double>> at_mixture;  ///< ln π - ln q at draws of each model's mixture
   Posterior posterior;
-  long shared_evaluations = 0;  ///< likelihood evaluations that belong to no chain
+  long shared_evaluations = 0;  ///< likelihood evaluations outside the chains
 };
 
 }  // namespace wheeltap::inference

@@ -11,7 +11,7 @@ inline constexpr int kStepsAScan = 3;  ///< kernel steps at each rung before a r
 inline constexpr int kBalancedModels = 64;
 
 struct TemperOptions {
-  int scans = 0;          ///< largest number of scans if the options do not give the warm-up
+  int scans = 0;          ///< largest number of scans if no option sets the warm-up
   bool balanced = false;  ///< adapt weights so that chains visit every model at every temperature
   bool fitted = false;    ///< true: use the fitted proposals, and start from the chains' states
 };

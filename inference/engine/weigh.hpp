@@ -1,5 +1,5 @@
-// Evidence of each model, and shares of its posterior modes, from draws, searches and fitted
-// mixtures.
+// Evidence of each model, and probability mass at each of its posterior modes, from draws, mode
+// searches and fitted mixtures.
 #pragma once
 
 #include "inference/engine/run_context.hpp"

@@ -36,9 +36,9 @@ struct Bridge {
 ///
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///
-/// is iterated to its fixed point. s₁ and s₂ are the shares of the two samples in the total sample
-/// size. For the posterior draws, the effective sample size is used. The standard error follows
-/// from the delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
+/// is iterated to its fixed point. s₁ and s₂ are the sizes of the two samples divided by their sum.
+/// For the posterior draws, the effective sample size is used. The standard error follows from the
+/// delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
 /// Econometrics Journal 7:143, section 3.2).
 ///
 /// Throws std::invalid_argument for fewer than 20 draws per chain.

@@ -41,8 +41,8 @@ struct ImportanceSampling {
                                                         const std::function<bool()>& stop = {});
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
-/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): moments of the weights of
-/// an order below 1/k̂ are finite. The result is -∞ if the fit has fewer than 5 weights.
+/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the moments of the
+/// weights are finite up to the order 1/k̂. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 /// Above this shape k̂, the sample variance of the weights does not give the error of their mean
@@ -52,8 +52,8 @@ inline constexpr double kHeavyTail = 0.7;
 /// The fitted distribution of the largest weights.
 struct ParetoTail {
   double shape = 0.0;  ///< shape k̂ (`pareto_shape`)
-  /// ln of the factor by which 100 times as many draws would typically raise the mean weight, by
-  /// extrapolation of the tail; 0 without a fit.
+  /// Extrapolation of the tail: ln of the factor by which the mean weight would typically increase
+  /// with 100 times as many draws; 0 without a fit.
   double log_excess = 0.0;
 };
 [[nodiscard]] ParetoTail pareto_tail(std::span<const double> log_weights);

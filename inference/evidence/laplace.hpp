@@ -31,16 +31,16 @@ struct ModeOptions {
 struct Laplace {
   Evidence evidence;  ///< evidence; its standard error is NaN
   std::vector<double> z;
-  std::vector<double> x;       ///< the mode in physical parameters
+  std::vector<double> x;       ///< the posterior mode in physical parameters
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, in z
 };
 
-/// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the mode z*, in standard normal
-/// coordinates, in which the prior has no bounds. H comes from central differences with steps that
-/// lower ln π by about 0.05. The method covers one posterior mode only. The result has a warning if
-/// H is not positive definite, or if importance sampling at the mode (1000 draws) shows that the
-/// posterior is not normal. For example, if the likelihood is constant within a finite element, the
-/// curvature at the mode is that of the prior.
+/// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the posterior mode z*, in standard
+/// normal coordinates, in which the prior has no bounds. H comes from central differences with
+/// steps that lower ln π by about 0.05. The method covers one posterior mode only. The result has a
+/// warning if H is not positive definite, or if importance sampling at the posterior mode (1000
+/// draws) shows that the posterior is not normal. For example, if the likelihood does not vary
+/// while a location moves within a finite element, the curvature is that of the prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 
 }  // namespace wheeltap::inference

@@ -12,30 +12,30 @@
 
 namespace wheeltap::inference {
 
-/// Order in which the data enter, for problems that can be shortened: all data at once, a growing
-/// part of the data, or the better of these two options.
+/// Order in which the data enter, for records that can be shortened: all data at once, a growing
+/// part of the record, or the better of these two.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  /// Number of independent runs, at least 4; their standard deviation gives the standard error
+  /// Number of independent replicates, at least 4; their scatter gives the standard error
   int replicates = 8;
   int samples = 500;        ///< number of samples per replicate
   double weight_cov = 0.5;  ///< coefficient of variation of the weights, which determines each
                             ///< increment of β
-  /// Average number of accepted moves per sample before the next stage. For a growing record, which
-  /// has many stages, this number is halved.
+  /// Number of accepted moves per sample, on average, before the next stage. For a growing record,
+  /// which has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant, finite at every finite z. Several threads may call this function at once. It
-  /// screens moves in stages with a small error (see `tmcmc`).
+  /// to a constant, finite at every finite z. Several threads may call this function at once. The
+  /// approximation screens moves in stages with a small error (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
   int threads = 0;  ///< number of threads; 0: all threads of the machine. The results do not depend
                     ///< on this number.
-  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns
@@ -64,11 +64,11 @@ struct Tmcmc {
 /// β_{j-1}), resamples, and makes Metropolis moves. Z is the product of the mean weights.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
-/// 89:539). The first part of the data leads from the prior to the posterior of the first 50
-/// samples of the record. Each further part leads to the posterior of up to twice the number of
-/// samples. β is then the exponent of the likelihood of the new samples. The posterior of a long
-/// record lies at the end of a ridge. The ridge narrows gradually with the number of samples, but
-/// suddenly with the exponent. Small pilot runs with each path decide which path is used.
+/// 89:539). The first part of the data leads from the prior to the posterior given the first 50
+/// time samples of the record. Each further part at most doubles the number of time samples. β is
+/// then the exponent of the likelihood of the new samples. The posterior of a long record lies at
+/// the end of a ridge. The ridge narrows gradually with the number of time samples, but suddenly
+/// with the exponent. Small pilot runs with each path decide which path is used.
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
@@ -77,13 +77,13 @@ struct Tmcmc {
 ///   tempered posteriors change direction from stage to stage.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
-///   share of prior draws with a positive likelihood. If draws with a positive likelihood are rare,
-///   a replicate continues until 20 draws have a positive likelihood or 100 000 draws are made. The
-///   estimate of the share remains unbiased.
+///   fraction of prior draws with a positive likelihood. If draws with a positive likelihood are
+///   rare, a replicate continues until 20 draws have a positive likelihood or 100 000 draws are
+///   made. The estimate of this fraction remains unbiased.
 /// - A third of the proposals are drawn from a normal mixture. The others are walks and
-/// contractions
-///   (see SweepProposal), with scales adapted from sweep to sweep. Together, these proposals keep
-///   the shares of separate posterior modes balanced, and move far in many dimensions.
+///   contractions (see SweepProposal), with scales adapted from sweep to sweep. Together, these
+///   proposals keep the probabilities of separate posterior modes correct, and move far in many
+///   dimensions.
 /// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.

@@ -21,22 +21,22 @@ struct ExplorationOptions {
   long climbs = 0;       ///< ModeSearchOptions::climbs
   long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
-  bool anneal = true;    ///< run SMC from the prior, with as little work as suffices
+  bool anneal = true;    ///< run SMC from the prior, but only as much as needed
   /// If true, run local optimisations only, for one of very many models. The evidence is then
   /// computed by Laplace's method, with an assumed error of one nat. The population is drawn from
   /// the normal approximations at the posterior modes.
   bool climbs_only = false;
   /// If true, use prior draws as starting points only if `starts` lead to no posterior mode
   bool from_starts = false;
-  /// Particles of a full SMC run, in four replicates together, of a model with up to 20 dimensions
+  /// Total number of particles in four replicates of a full SMC run (up to 20 dimensions)
   int particles = 1200;
   int rounds = 5;             ///< largest number of rounds of importance sampling
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
-  /// Draws of another method, draws × dimension, e.g. tempering over all models.
+  /// Draws by another method, e.g. tempering over all models; draws × dimension.
   Eigen::MatrixXd draws{};
-  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the exploration ends.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns
@@ -63,7 +63,7 @@ struct ExplorationCalls {
 struct ModelExploration {
   /// Posterior modes, the mode with the largest probability mass first
   std::vector<Mode> modes;
-  std::vector<double> shares;  ///< share of the model's probability mass near each mode
+  std::vector<double> shares;  ///< fraction of the probability mass near each posterior mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
   long left_out = 0;     ///< ModeSearch::left_out
@@ -100,34 +100,34 @@ struct ModelExploration {
 /// maximise the density from many starting points, and SMC follows the probability mass along a
 /// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
-/// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only
-/// one method found is thus included. A mode that both methods found is counted once.
+/// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only one
+/// method found is thus included. A posterior mode that both methods found is counted once.
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
 /// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
 /// probability mass. Two results indicate missed probability mass. First, the evidence by SMC
 /// exceeds the evidence by the mixture significantly, by the criterion of the convergence
 /// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
-/// draws leads to another mode. On a record, SMC may fail on the first samples. SMC then ends after
-/// a fixed number of likelihood evaluations, and local optimisations from its current draws replace
-/// it. A full SMC run follows only if the brief run shows missed probability mass, or if the local
-/// optimisations did not determine the posterior.
+/// draws leads to another posterior mode. On a record, SMC may fail on the first samples. SMC then
+/// ends after a fixed number of likelihood evaluations, and local optimisations from its current
+/// draws replace it. A full SMC run follows only if the brief run shows missed probability mass, or
+/// if the local optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
-/// The first part of explore_model: local optimisations, and importance sampling about the modes
-/// found.
+/// First stage of explore_model: local optimisations, and importance sampling around the posterior
+/// modes found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// The second part of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a
-/// run as long as needed.
+/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a run
+/// as long as needed.
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the mode whose normal approximation, divided by its peak value, is the highest at z.
-/// This is the nearest mode if distances are measured in standard deviations of each mode. The
-/// result is -1 if `modes` is empty.
+/// Index of the posterior mode whose normal approximation, divided by its peak value, is the
+/// highest at z. This is the nearest mode if distances are measured in standard deviations of each
+/// mode. The result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

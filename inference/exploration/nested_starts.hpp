@@ -1,5 +1,5 @@
-// Starting points of local optimisations in a model, computed from the posterior modes of models
-// nested in the model.
+// Starting points of local optimisations in a model, computed from the posterior modes of smaller
+// models nested in it.
 #pragma once
 
 #include <vector>
@@ -21,12 +21,12 @@ namespace wheeltap::inference {
 
 /// Starting points of local optimisations in `model`, from the best posterior modes of at most
 /// `most` explored models nested in `model`. Models that lack the fewest parameters of `model` come
-/// first, then models with the highest evidence. Each model gives two points: with the missing
-/// parameters at the median of their priors, and at the 7 % quantile (z = -1.5). For a coefficient
-/// of either sign, the median means no effect; for a positive coefficient, the quantile means a
-/// small effect. The search thus finds a force law that has one more term than a force law already
-/// found. Local optimisations from draws of the prior would rarely find this force law. The result
-/// is empty if no explored model is nested in `model`.
+/// first; among equals, the highest evidence. Each model gives two starting points: with the
+/// missing parameters at the median of their priors, and at the 7 % quantile (z = -1.5). For a
+/// coefficient of either sign, the median means no effect; for a positive coefficient, the quantile
+/// means a small effect. The search thus finds a force law that has one more term than a force law
+/// already found. Local optimisations from draws of the prior would rarely find this force law. The
+/// result is empty if no explored model is nested in `model`.
 [[nodiscard]] std::vector<std::vector<double>> nested_starts(
     const ModelSpace& space, int model, const std::vector<ModelExploration>& explorations,
     std::size_t most);

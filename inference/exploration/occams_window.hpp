@@ -14,7 +14,7 @@ class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// `within`: the models one step within m. `around`: the models that m is one step within.
+  /// `within`: models one step within m. `around`: models of which m is one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
   /// Smallest number of steps from m to a model that contains no other model.
@@ -43,8 +43,8 @@ class ModelLattice {
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// A starting point for model m: the best posterior mode of the most probable explored model that
-/// m is one step within, without the parameters that m lacks. Empty if no such model was
+/// A starting point for model m: the best posterior mode of the most probable explored
+/// model in around(m), without the parameters that m lacks. Empty if no such model was
 /// explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,

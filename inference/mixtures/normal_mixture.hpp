@@ -78,8 +78,8 @@ class NormalMixture {
   }
   [[nodiscard]] double degrees_of_freedom() const { return nu_; }
 
-  /// Log density ln q(z). The value is -∞ if z is not finite, or so far from all components that q
-  /// underflows even on the log scale.
+  /// Log density ln q(z). The value is -∞ if z is not finite, or if z is so far from all components
+  /// that even ln q is not representable.
   [[nodiscard]] double log_density(std::span<const double> z) const;
   /// Writes ln w_k + ln p_k(z) to out[k] for every component k with weight w_k and density p_k.
   /// `out` has size() entries.

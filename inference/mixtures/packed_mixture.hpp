@@ -12,7 +12,7 @@
 namespace wheeltap::inference::packed {
 
 /// Packs components for vector instructions. For ν = ∞, the constants c belong to normal
-/// components, otherwise to components with Student's t distribution.
+/// components; for finite ν, to components with Student's t distribution.
 [[nodiscard]] std::vector<double> pack(const std::vector<NormalMixture::Component>& components,
                                        double nu);
 

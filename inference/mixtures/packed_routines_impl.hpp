@@ -18,8 +18,8 @@ constexpr std::size_t kWidth = WHEELTAP_PACKED_WIDTH;
 constexpr std::size_t kParts = kLanes / kWidth;
 constexpr double kNever = -__builtin_inf();
 
-// A vector as wide as a SIMD register of the processor. GCC splits wider vectors into parts that
-// depend on each other through memory. These memory accesses took half of the run time.
+// A vector as wide as a SIMD register of the processor. GCC splits wider vectors into parts and
+// exchanges data between them through memory. This data exchange took half of the run time.
 using Part [[gnu::vector_size(kWidth * sizeof(double))]] = double;
 using PartBits [[gnu::vector_size(kWidth * sizeof(double))]] = long long;
 

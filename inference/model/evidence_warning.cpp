@@ -17,17 +17,17 @@ std::string describe(const EvidenceWarning& warning) {
       return "bridge sampling did not converge; the proposal and the posterior hardly overlap";
     case Kind::few_bridge_draws:
       return "fewer than 100 effective posterior draws in bridge sampling (" + value +
-             "); draw more";
+             "); make more draws";
     case Kind::chains_disagree:
       return "chains disagree (R-hat " + value +
-             "): draw more, or use a pilot that covers every mode";
+             "): make more draws, or use a pilot that covers every posterior mode";
     case Kind::heavy_tail:
       return "the tail of the importance weights is too heavy (Pareto shape " + value +
              " > 0.7); the proposal misses part of the posterior";
     case Kind::few_effective_draws:
       return "importance sampling has only " + value + " effective draws";
     case Kind::not_normal:
-      return "the posterior about its mode is not normal; importance sampling there changes "
+      return "the posterior near its mode is not normal; importance sampling there changes "
              "Laplace's log evidence by " +
              value;
     case Kind::no_maximum:

@@ -21,9 +21,9 @@ struct EvidenceWarning {
     heavy_tail,           ///< importance weights have a heavy tail; `value`: their Pareto shape
     few_effective_draws,  ///< `value`: effective draws of importance sampling
     /// The posterior near its mode is not normal. `value` is ln Z by importance sampling at the
-    /// mode minus ln Z by Laplace's method.
+    /// posterior mode minus ln Z by Laplace's method.
     not_normal,
-    no_maximum,  ///< minus the Hessian at the mode is not positive definite
+    no_maximum,  ///< minus the Hessian at the posterior mode is not positive definite
   };
   Kind kind;
   double value = std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-// Measured run time of a likelihood.
+// Measured run time of a likelihood evaluation.
 #pragma once
 
 #include "inference/model/target.hpp"
@@ -8,7 +8,7 @@ namespace wheeltap::inference {
 /// Run time of a likelihood evaluation as processor time of one thread [s]. Other processes hardly
 /// affect this time.
 struct LikelihoodTime {
-  double mean = 0.0;    ///< mean over draws of the prior, where local optimisations start
+  double mean = 0.0;    ///< mean over prior draws, the starts of local optimisations
   double middle = 0.0;  ///< median, which a few expensive evaluations hardly change
   long calls = 0;       ///< number of measured evaluations
 };

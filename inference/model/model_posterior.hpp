@@ -30,7 +30,7 @@ inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::q
 /// ln π(z) = ln p₀(z) + ln prior factor + ln likelihood in standard normal coordinates, for one
 /// thread, where
 ///
-///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   for components in order (by their first coordinate), else 0,
+///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   if the components are sorted by first coordinate, else 0,
 ///
 /// is the prior of the unordered set, and integrates to 1.
 class ModelPosterior {

@@ -45,7 +45,7 @@ struct Model {
 struct ComponentRange {
   std::size_t first = 0, width = 0;
 
-  /// The component's part of a vector with the layout of Model.
+  /// The entries of one component in a vector with the layout of Model.
   template <class T>
   [[nodiscard]] std::span<T> of(std::span<T> x) const {
     return x.subspan(first, width);

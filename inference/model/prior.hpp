@@ -51,7 +51,7 @@ struct StudentT {
 };
 
 /// Base class of user-defined priors: a continuous density on an interval, positive inside.
-/// `check_prior` of self_tests.hpp tests the consistency of its functions. Threads share one
+/// `check_prior` of self_tests.hpp tests whether the functions are consistent. Threads share one
 /// object, so its functions must be pure.
 class Distribution {
  public:

@@ -1,4 +1,4 @@
-// Shares that sum to one, expressed by parameters that are independent a priori.
+// Fractions (shares) that sum to one, expressed by parameters that are independent a priori.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace wheeltap::inference {
 
-/// n shares of a whole, w_i >= 0, Σ w_i = 1, with Dirichlet density p(w) ∝ ∏ w_i^(α_i - 1), by
-/// stick breaking (Sethuraman 1994, section 2):
+/// n shares (fractions of a total), w_i >= 0, Σ w_i = 1, with Dirichlet density p(w) ∝ ∏ w_i^(α_i -
+/// 1), by stick breaking (Sethuraman 1994, section 2):
 ///
 ///   w_i = v_i ∏_{j<i} (1 - v_j),   v_i ~ Beta(α_i, Σ_{j>i} α_j) independent,   i < n;
 ///

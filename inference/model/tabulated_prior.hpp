@@ -1,4 +1,4 @@
-// A prior whose density is given by a table of points.
+// A prior whose density is given by a table of values.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ class TabulatedPrior : public Distribution {
   /// `x` increases strictly. `density` may have any unit, because the constructor normalises it.
   /// The density may be 0 only at the ends, because an interior zero would split the prior. Throws
   /// std::invalid_argument, naming the entry, if one of these conditions fails, the lengths differ,
-  /// or there are fewer than 2 points.
+  /// or there are fewer than 2 table entries.
   TabulatedPrior(std::vector<double> x, std::vector<double> density);
 
   [[nodiscard]] double log_density(double x) const override;

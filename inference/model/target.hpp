@@ -123,9 +123,9 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 /// because a density cannot have these values.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
-/// The map x → 2·center - x of one parameter of the components of one kind, under which the
-/// likelihood is (nearly) unchanged. An example is the mirror image of a location in a symmetric
-/// structure.
+/// The map x → 2·center - x, applied to one parameter of each component of a kind. The likelihood
+/// is (nearly) invariant under this map. An example is the mirror image of a location in a
+/// symmetric structure.
 struct Reflection {
   int kind = 0;       ///< index into ModelSpace::kinds()
   int parameter = 0;  ///< index into ComponentKind::parameters
@@ -139,8 +139,8 @@ class Move;
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// Largest factor by which the engine may increase the share of MCMC steps that use this move.
-  /// The share increases if the move changes the model more often than the engine's own moves at
+  /// Largest factor by which the engine may increase the fraction of MCMC steps that use this move.
+  /// The fraction increases if the move changes the model more often than the engine's own moves at
   /// equal run time.
   double most = 1.0;
 };
@@ -158,14 +158,14 @@ struct Problem {
   /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
-  /// samples of the record. The engine then searches for modes on records of increasing length.
-  /// Each search starts from the posterior mode for the shorter record. The posterior for the whole
-  /// record can have too many modes for a direct search.
+  /// samples of the record. The engine then searches for posterior modes on records of increasing
+  /// length. Each search starts from the posterior mode for the shorter record. The posterior for
+  /// the whole record can have too many posterior modes for a direct search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
-  /// True if an evaluation takes about a hundred times as long as a step of the sampler, for
-  /// example for the modes of a structure of many degrees of freedom. The engine then begins with
-  /// fewer tuning steps and draws.
+  /// True if an evaluation takes about a hundred times as long as an MCMC step, for example if it
+  /// computes the modes of a large FE model. The engine then begins with fewer tuning steps and
+  /// draws.
   bool costly = false;
 };
 
@@ -240,8 +240,8 @@ class Target {
   /// given, one per state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Computes the members of `state` that moves may use. These are all members except, if the
-  /// problem has an approximation, the full likelihood and its prediction.
+  /// Computes the members of `state` that moves may use: all members or, if the problem has an
+  /// approximation, all except the full likelihood and its prediction.
   void screen(State& state);
   /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
   /// log_screen of other states may be -∞.
@@ -262,7 +262,7 @@ class Target {
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
   /// z_i. Returns false, with `dz` undefined, if the posterior density of the state is zero, the
-  /// likelihood has no finite gradient, or the problem has an approximation or a prior factor; the
+  /// likelihood has no finite gradient, or the problem has an approximation or a prior factor. The
   /// caller then uses differences. A gradient counts as one evaluation.
   bool gradient(const State& state, std::span<double> dz);
 

@@ -18,7 +18,7 @@ using Archive = std::vector<Eigen::MatrixXd>;
 /// so the proposal ratio is 1. γ is 2.38/√(2d), or 1 with probability 0.1 to jump between posterior
 /// modes. For irreducibility, e ~ N(0, s²) with s_i = 10⁻⁴ |c_i - d_i| + 10⁻¹² for two other states
 /// c and d. If the posterior or its modes are narrow, e is small, because c and d often belong to
-/// the same mode.
+/// the same posterior mode.
 class DifferentialEvolution : public Move {
  public:
   explicit DifferentialEvolution(std::shared_ptr<const Archive> archive)

@@ -20,7 +20,7 @@ struct Symmetry {
 };
 
 /// Chooses one symmetry uniformly. If `whole` is true, the symmetry is applied to every component
-/// concerned (the image of the state), otherwise to one component chosen uniformly. The list must
+/// concerned (the image of the state); if false, to one component chosen uniformly. The list must
 /// contain the inverse of each symmetry, so that the reverse move has the same probability. In the
 /// coordinates z, the ratio is the absolute Jacobian determinant of the map:
 ///

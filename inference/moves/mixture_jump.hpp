@@ -31,8 +31,8 @@ struct PilotFit {
                                 double& log_ratio);
 
 /// Proposes a model m' and draws its parameters from q_m' (the independence form of AutoMix: Hastie
-/// 2005, ch. 3; Green 2003). If `between` is true, a model m' ≠ m has the probability ω_m' / (1 -
-/// ω_m); otherwise m' = m:
+/// 2005, ch. 3; Green 2003). If `between` is true, m' ≠ m is drawn with probability ω_m' / (1 -
+/// ω_m); if false, m' = m. In both cases,
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln q_m(z) - ln [ω_m' / (1 - ω_m)] - ln q_m'(z').
 ///

@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. These take some microseconds,
-/// as a cheap likelihood does. Work is counted instead of measured in seconds, so that draws are
-/// the same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. These operations take a few
+/// microseconds, like a cheap likelihood. Work is counted and not measured in seconds, so that
+/// draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
@@ -102,9 +102,9 @@ class Move {
 ///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
-/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). In the first stage, the
-/// proposal passes with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and
-/// the proposal is accepted with probability
+/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The first stage accepts
+/// the proposal with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and the
+/// proposal is accepted with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///

@@ -14,11 +14,11 @@ namespace wheeltap::inference {
 ///   z' ~ N(z + (1 - ρ) H⁻¹ g, (1 - ρ²) H⁻¹).
 ///
 /// ln(1 - ρ) is uniform between ln 10⁻³ and 0 and independent of the state. If ln π is quadratic
-/// with the Hessian -H, the proposal leaves π invariant for every ρ. Otherwise, the ratio of the
-/// two proposal densities corrects for the change of g and H between z and z' (manifold Metropolis
-/// adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society B 73:123,
-/// section 5, with an information matrix without its derivatives). The move is suitable for
-/// posteriors close to a curved surface, for example if the data determine only some directions
+/// with the Hessian -H, the proposal leaves π invariant for every ρ. For any other ln π, the ratio
+/// of the two proposal densities corrects for the change of g and H between z and z' (manifold
+/// Metropolis adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society
+/// B 73:123, section 5, with the information matrix, but not its derivatives). The move is suitable
+/// for posteriors close to a curved surface, for example if the data determine only some directions
 /// of many parameters. Each proposal costs a call of Target::gauss_newton.
 ///
 /// The move makes no proposal if Target::gauss_newton returns false or the likelihood has no exact

@@ -1,6 +1,6 @@
-// Tests of user-defined priors and moves, to be called from the user's own test program. Such a
-// test detects a fault in seconds. In a run, the same fault would give wrong results without any
-// warning.
+// Tests of user-defined priors and moves, to be called from the user's own test program. A test
+// detects a faulty prior or move in seconds. In an MCMC run, the fault would give wrong results
+// without any warning.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,7 @@ struct MoveCheck {
 
 /// Checks that a move satisfies detailed balance. With states x from the prior, weights w(x) =
 /// exp(ln prior factor + β ln likelihood), y proposed from x, and α(x, y) the probability of
-/// accepting it (MetropolisHastings),
+/// accepting y (MetropolisHastings),
 ///
 ///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///
@@ -60,7 +60,7 @@ struct MoveCheck {
 /// h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
 /// section 2, who test invariance). Half of the tests use β = 0. The other half use the largest β
 /// of 1, ½, ¼, … at which the effective sample size is a twentieth of the draws. The test detects a
-/// wrong ratio, a wrong Jacobian, a ratio that omits the numbers of possible choices, and a reverse
+/// wrong ratio, a wrong Jacobian, a ratio without the numbers of possible choices, and a reverse
 /// move that does not lead back. A move that is never accepted passes; `words` states this. The
 /// approximate likelihood of the problem is not used.
 ///

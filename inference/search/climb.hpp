@@ -1,4 +1,4 @@
-// A local optimisation (`climb`) to a mode of a model's posterior, and the Hessian at this mode.
+// Local optimisation (`climb`) to a posterior mode of one model, and the Hessian at this mode.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace wheeltap::inference {
 
-/// ln π(z) as a function of labelled vectors, which is symmetric in the components. ln π is -∞ for
+/// ln π(z) for components in any order, and therefore symmetric in the components. ln π is -∞ for
 /// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its likelihood evaluations.
 class Surface {
  public:
@@ -34,10 +34,10 @@ class Surface {
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
   /// Returns Likelihood::has_exact_derivatives.
   [[nodiscard]] bool has_exact_derivatives() const { return posterior_.has_exact_derivatives(); }
-  /// Number of likelihood evaluations that exact derivatives have saved in comparison with central
+  /// Number of likelihood evaluations saved by exact derivatives, compared with central
   /// differences.
   [[nodiscard]] long saved() const { return saved_; }
-  /// Transfers the state between two calls to the Surface of another rank.
+  /// Packs or unpacks the state between two calls, for the Surface on another rank.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);
@@ -51,7 +51,7 @@ class Surface {
  private:
   ModelPosterior posterior_;
   std::vector<double> ordered_, batch_;
-  std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
+  std::vector<Eigen::Index> places_;  ///< column of each batch entry
   std::vector<ModelPosterior::Value> values_;
   long gradients_ = 0, refusals_ = 0;  ///< number of gradients; number of points without a gradient
   long saved_ = 0;
@@ -70,29 +70,29 @@ struct ClimbEnd {
   Eigen::VectorXd z;
   double value = -std::numeric_limits<double>::infinity();
   Eigen::MatrixXd inverse_hessian{};  ///< estimated during the optimisation
-  int known = -1;                     ///< index of the known mode that was reached
+  int known = -1;                     ///< index of the known posterior mode that was reached
   bool possible = false;              ///< true if the posterior density at the start is positive
   double way = 0.0;                   ///< length of the path, in standard deviations of the prior
   long points = 0;                    ///< number of points of the path, without the start
 };
 
 /// Optimises from `start` to a posterior mode. The function tries a few Newton steps with the
-/// curvature of the nearest known mode, then Gauss-Newton steps if the likelihood offers them, or
-/// BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to which
-/// steepest ascent would lead. `way / points` is the mean distance between two such points.
+/// curvature of the nearest known posterior mode, then Gauss-Newton steps if the likelihood offers
+/// them, or BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to
+/// which steepest ascent would lead. `way / points` is the mean distance between two such points.
 ///
 /// The default difference steps for the gradient are suitable for a start drawn from the prior.
-/// Near a mode whose width is a thousandth of the width of the prior, these steps give a wrong
-/// direction. If `fine` is true, the steps are reduced until the widths of the mode converge.
+/// Near a posterior mode whose width is a thousandth of the width of the prior, these steps give a
+/// wrong direction. If `fine` is true, the steps are reduced until the widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 
-/// Computes the Hessian at a mode by differences with steps that lower ln π by about a twentieth of
-/// a nat. The Hessian is made positive definite, so that no direction is much wider than the prior.
-/// If the likelihood has exact derivatives, they replace second differences.
+/// Computes the Hessian at a posterior mode by differences with steps that lower ln π by about a
+/// twentieth of a nat. The Hessian is made positive definite, so that no direction is much wider
+/// than the prior. If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance of z from a mode, in standard deviations of the mode.
+/// Squared distance of z from a posterior mode, in sds of the normal approximation there.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

@@ -1,5 +1,5 @@
-// Search for the modes of one model's posterior by local optimisations that start from draws of
-// its prior.
+// Search for the posterior modes of one model by local optimisations that start from draws of its
+// prior.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,25 @@ struct Mode {
   double log_posterior = 0.0;
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, made positive definite
   double log_mass = 0.0;       ///< Laplace: ln π + (d/2) ln 2π + ½ ln|covariance|
-  long climbs = 0;             ///< number of local optimisations that ended at this mode
+  long climbs = 0;             ///< number of local optimisations that ended at this posterior mode
 };
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< optimisations; 0: as many as `budget` allows, kFewestClimbs to kMostClimbs
+  long climbs = 0;  ///< number of optimisations; 0: kFewestClimbs to kMostClimbs, by `budget`
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// optimisations in progress are finished. Replacements of components may use a further 10 % of
-  /// the budget, or as many evaluations as the optimisations before.
+  /// optimisations in progress are finished. Optimisations after replacements of components may use
+  /// a further 10 % of the budget, or as many evaluations as before.
   long budget = 100000;
-  /// Factor in (0, 1] on the work for a growing record. The factor multiplies the numbers of
-  /// optimisations from prior draws, followed modes, and draws per mode.
+  /// Factor in (0, 1] that reduces the work for a growing record. The factor multiplies the numbers
+  /// of optimisations from prior draws, followed posterior modes, and draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
-  bool fine = false;  ///< `starts` are near modes: use small difference steps (climb.hpp)
+  bool fine = false;  ///< `starts` are near posterior modes: use small difference steps (climb.hpp)
   int threads = 0;    ///< threads; 0: all of the machine. Results do not depend on this number.
-  /// Callback, called from one thread with the completed share. If the callback returns false, the
-  /// search ends.
+  /// Callback, called from one thread with the completed fraction. If the callback returns false,
+  /// the search ends.
   std::function<bool(double share)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. If the callback returns
   /// true, the search ends, and optimisations in progress are discarded.
@@ -43,13 +43,13 @@ struct ModeSearchOptions {
 };
 
 struct ModeSearch {
-  std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
-  long climbs = 0;          ///< number of completed optimisations from points of positive density
+  std::vector<Mode> modes;  ///< by decreasing probability mass, down to e^-25 of the largest
+  long climbs = 0;          ///< number of completed optimisations from starts of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
-  /// deviations of the prior; 0: not known. A narrower mode may lie between two points.
+  /// deviations of the prior; 0: not known. A narrower posterior mode may lie between two points.
   double spacing = 0.0;
-  /// Number of further modes, left out because a search keeps a limited number of modes, and their
-  /// share of the probability mass by Laplace's method.
+  /// Number of further posterior modes, left out because a search keeps a limited number of modes,
+  /// and their fraction of the probability mass (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   long likelihood_evaluations = 0;
@@ -66,16 +66,16 @@ inline constexpr long kMostClimbs = 10000;
 /// The gradient is computed by differences, or by the likelihood if the likelihood has a gradient.
 /// t is halved until the increase of ln π agrees with the quadratic model within a factor of ten. A
 /// longer step may leave the region in which the quadratic model is valid, and the basin of the
-/// mode. If the likelihood offers a Gauss-Newton approximation, the optimisation uses Levenberg &
-/// Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this method does
-/// not converge. If modes are known, one or two Newton steps with the curvature of the nearest mode
-/// are tried first. If these steps converge to the known mode, and three points on the way show no
-/// other mode, the optimisation is complete after a few evaluations. Thousands of optimisations are
-/// thus affordable if the posterior is nearly normal.
+/// posterior mode. If the likelihood offers a Gauss-Newton approximation, the optimisation uses
+/// Levenberg & Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this
+/// method does not converge. If posterior modes are known, one or two Newton steps with the
+/// curvature of the nearest mode are tried first. If these steps converge to the known mode, and
+/// three points on the path show no other mode, the optimisation is complete after a few
+/// evaluations. Thousands of optimisations are thus affordable if the posterior is nearly normal.
 ///
 /// Components are exchangeable: each optimisation uses labelled vectors, in which ln π is
-/// symmetric, and sorts its result. Two end points are the same mode if ln π on the line between
-/// them has no valley deeper than two nats.
+/// symmetric, and sorts its result. Two end points are the same posterior mode if ln π on the line
+/// between them has no valley deeper than two nats.
 ///
 /// If the problem can be shortened, the optimisations use its first 50 samples. The number of
 /// samples is then doubled repeatedly. Each mode is followed by optimisations from the previous
@@ -84,19 +84,19 @@ inline constexpr long kMostClimbs = 10000;
 /// are followed with smaller increments of the record. Further optimisations on the whole record
 /// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
-/// With two components or more, optimisations also start from the highest modes with one
-/// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
+/// With two components or more, optimisations also start from the highest modes after replacement
+/// of one component by the most probable of 64 prior draws. New modes are treated likewise.
 ///
-/// If the basin of a mode has the prior probability p, all n optimisations miss it with probability
-/// (1-p)^n. The basin contains all points from which an optimisation with finite steps reaches the
-/// mode. From the basin of steepest ascent, an optimisation reaches a mode of width w with
-/// probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
+/// If the basin of a posterior mode has the prior probability p, all n optimisations miss it with
+/// probability (1-p)^n. The basin contains all points from which an optimisation with finite steps
+/// reaches the mode. From the basin of steepest ascent, an optimisation reaches a mode of width w
+/// with probability ≈ min(1, w / spacing), since it evaluates ln π only at points `spacing` apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 
 /// Adds optimisations from `options.starts` on the whole record. This function does not search
-/// again for modes in `found`, and does not change `found.climbs`, because chosen starts are not
-/// draws of the prior.
+/// again for posterior modes in `found`, and does not change `found.climbs`, because chosen starts
+/// are not draws of the prior.
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
@@ -104,9 +104,9 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 /// 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
-/// The resolution for modes of this width, in standard deviations of the prior, with respect to
-/// their basins of steepest ascent. For widths below the `spacing` of the optimisations, the
-/// resolution is larger by the factor spacing / width, and at most 1.
+/// The resolution for posterior modes of this width, in standard deviations of the prior, with
+/// respect to their basins of steepest ascent. For widths below the `spacing` of the optimisations,
+/// the resolution is larger by the factor spacing / width, and at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

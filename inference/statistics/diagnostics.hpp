@@ -49,7 +49,7 @@ struct ModelProbabilities {
   std::vector<double> mean;
   std::vector<double> sd;       ///< 0 for a model never visited
   Eigen::MatrixXd transitions;  ///< number of transitions between models, models × models
-  /// Size of the independent sample with the same uncertainty: the mass of the Dirichlet
+  /// Size of an independent sample that would give the same uncertainty: the mass of the Dirichlet
   /// distribution with the same mean and total variance, minus the mass of the prior. Infinite if
   /// only one model was visited.
   double effective_draws = 0.0;

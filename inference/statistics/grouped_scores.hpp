@@ -1,4 +1,4 @@
-// Standard errors of an estimate from grouped data; they remain valid if the model of the groups is
+// Standard errors of an estimate from grouped data, which remain valid if the statistical model is
 // wrong.
 #pragma once
 

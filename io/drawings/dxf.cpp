@@ -114,7 +114,7 @@ class Reader {
       last = pair.line;
     }
     if (section == "ENTITIES")
-      fail(name, last, "the file ends within its ENTITIES, which ENDSEC must end: it is truncated");
+      fail(name, last, "the file is truncated: its section ENTITIES does not end with ENDSEC");
   }
 
   Drawing run() {

@@ -14,9 +14,9 @@
 
 namespace wheeltap::io {
 
-/// A corner of an outline and the edge that starts at this corner. The edge is straight if `bulge`
-/// is 0. Otherwise the edge is an arc of the angle 4 atan(bulge), counter-clockwise for a positive
-/// bulge.
+/// A corner of an outline and the edge that starts at this corner. If `bulge` is 0, the edge is
+/// straight. For any other `bulge`, the edge is an arc of the angle 4 atan(bulge),
+/// counter-clockwise for a positive bulge.
 struct PathCorner {
   double x, y;
   double bulge = 0.0;

@@ -1,8 +1,8 @@
 // Reading of closed outlines from files: drawings and tables of corners.
 // A table of corners has one corner per row. The coordinates are in the columns y and z, or in the
 // first two columns if the table has no header. In a table with a column "part", each new value of
-// this column begins an outline. In other tables, an empty line separates two outlines. A header
-// may name the unit of length: "y [mm]".
+// this column begins a new outline. In other tables, an empty line separates two outlines. A column
+// header may contain the unit of length: "y [mm]".
 #pragma once
 
 #include "io/drawings/dxf.hpp"

@@ -16,11 +16,11 @@ namespace wheeltap::io {
 struct Format {
   std::string_view name;                  ///< name of the format in messages
   std::vector<std::string_view> endings;  ///< file extensions, in lower case: ".csv"; "" is none
-  std::vector<std::string_view> magic{};  ///< possible first bytes of a file; empty if not fixed
+  std::vector<std::string_view> magic{};  ///< possible first bytes; empty if they are not fixed
   /// Parses the bytes as a table; messages use `name` for the file. Throws FileError.
   Columns (*parse)(std::string bytes, const std::filesystem::path& name,
                    const Wanted& wanted) = nullptr;
-  /// Parser for text formats, used instead of `parse`. The caller may state the layout of the file.
+  /// Parser for text formats, used instead of `parse`. The caller may state the layout of the text.
   Columns (*parse_text)(std::string bytes, const std::filesystem::path& name, const Wanted& wanted,
                         const TextLayout& stated) = nullptr;
   /// Reader for formats whose library needs a path; used instead of `parse`.
@@ -34,9 +34,9 @@ struct Format {
 /// All supported formats.
 [[nodiscard]] std::span<const Format> formats();
 
-/// Finds the format of a file from its first bytes (`beginning`), otherwise from its extension.
-/// Throws FileError (foreign), with the list of known extensions, if no format matches the bytes or
-/// the extension.
+/// Finds the format of a file from its first bytes (`beginning`) or, if these are not known, from
+/// its extension. Throws FileError (foreign), with the list of known extensions, if no format
+/// matches the bytes or the extension.
 [[nodiscard]] const Format& format_of(const std::filesystem::path& path, std::string_view beginning,
                                       std::span<const Format> known = formats());
 

@@ -16,11 +16,11 @@ namespace wheeltap::io {
 
 /// Parses a record of the California Strong Motion Instrumentation Program, volume 2 (corrected) or
 /// volume 1 (uncorrected). A header "N points of accel data equally spaced at DT sec, in cm/sec2.
-/// (8f10.5)" is followed by N numbers in columns of the width that the header gives. Velocity and
-/// displacement follow in the same form, then further channels. The columns are "time [s]" and
-/// "acceleration, channel 1 [cm/s^2]" and so on. Throws FileError: foreign for a file without this
-/// header; corrupt, with the line number, for an unreadable header, for invalid or missing numbers,
-/// and for channels with different time steps or lengths.
+/// (8f10.5)" is followed by N numbers in columns of the stated width. Velocity and displacement
+/// follow in the same form, then further channels. The columns are "time [s]" and "acceleration,
+/// channel 1 [cm/s^2]" and so on. Throws FileError: foreign for a file without this header;
+/// corrupt, with the line number, for an unreadable header, for invalid or missing numbers, and for
+/// channels with different time steps or lengths.
 [[nodiscard]] Columns parse_csmip(std::string bytes, const std::filesystem::path& name,
                                   const Wanted& wanted);
 

@@ -368,7 +368,7 @@ Columns parse_workbook(std::string bytes, const std::filesystem::path& name, con
   if (chosen == sheets.end())
     throw FileError(
         FileError::Kind::corrupt, name,
-        "has no sheet \"" + printable(stated.sheet) + "\", there are " + listed(sheets));
+        "has no sheet \"" + printable(stated.sheet) + "\"; its sheets are " + listed(sheets));
   TextLayout layout = stated;
   layout.separator = '\t';
   layout.decimal = stated.decimal.value_or('.');
@@ -378,15 +378,14 @@ Columns parse_workbook(std::string bytes, const std::filesystem::path& name, con
   } catch (const FileError& error) {
     if (sheets.size() == 1) throw;
     throw FileError(error.kind(), name, error.place(),
-                    error.reason() + " (of the sheet \"" + printable(chosen->name) +
-                        "\"; a case states another by \"sheet\", there are " + listed(sheets) +
-                        ")");
+                    error.reason() + " (in the sheet \"" + printable(chosen->name) +
+                        "\"; the key \"sheet\" selects another of " + listed(sheets) + ")");
   }
   if (out.layout) out.layout->used.sheet = chosen->name;
   for (const Sheet& sheet : sheets)
     if (&sheet != &*chosen)
       out.others.push_back("the sheet \"" + printable(sheet.name) +
-                           "\" (a case reads it by \"sheet\": \"" + printable(sheet.name) + "\")");
+                           "\" (to read it, state \"sheet\": \"" + printable(sheet.name) + "\")");
   return out;
 }
 

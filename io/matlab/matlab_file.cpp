@@ -226,7 +226,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
   if (table.columns.empty()) {
     std::string there;
     for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)
-      there += (i == 0 ? ": there are " : ", ") + others[i];
+      there += (i == 0 ? "; the file has " : ", ") + others[i];
     if (others.size() > kMostNamed)
       there += " and " + std::to_string(others.size() - kMostNamed) + " more";
     throw FileError(FileError::Kind::corrupt, path,

@@ -238,8 +238,9 @@ SparseMatrix read_here(const std::filesystem::path& path, const std::string& nam
     if (variable->name != nullptr)
       names += (names.empty() ? "" : ", ") + std::string(variable->name);
   }
-  throw FileError(Kind::corrupt, path,
-                  "has no matrix \"" + name + "\"; there are: " + (names.empty() ? "none" : names));
+  throw FileError(
+      Kind::corrupt, path,
+      "has no matrix \"" + name + "\"; its matrices: " + (names.empty() ? "none" : names));
 }
 
 /// A compressed matrix as bytes, for read_apart.
@@ -299,7 +300,7 @@ SparseMatrix read_sparse_matrix(const std::filesystem::path& path, const std::st
   std::string names;
   for (const std::string& one : there) names += (names.empty() ? "" : ", ") + one;
   throw FileError(Kind::corrupt, path,
-                  "has no file " + name + ".mtx; there are: " + (names.empty() ? "none" : names));
+                  "has no file " + name + ".mtx; its files: " + (names.empty() ? "none" : names));
 }
 
 SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::path& name) {

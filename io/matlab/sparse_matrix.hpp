@@ -1,4 +1,4 @@
-// Reading of sparse matrices of other programs from MATLAB files and Matrix Market files.
+// Reading of sparse matrices from the MATLAB files and Matrix Market files of other programs.
 #pragma once
 
 #include <Eigen/SparseCore>

@@ -14,8 +14,8 @@
 
 namespace wheeltap::io {
 
-/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp chooses the place). Messages
-/// use `name` for the file. All functions throw io::FileError (unwritable).
+/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp decides which). Messages use
+/// `name` for the file. All functions throw io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {
@@ -37,8 +37,8 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// Writes the attributes that ArviZ defines for program, version and creation time, and the
-  /// identifier of the run. Also throws the exceptions that date_of_files throws.
+  /// Writes the identifier of the run, and the attributes of ArviZ for program, version and
+  /// creation time. Also throws the exceptions that date_of_files throws.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);

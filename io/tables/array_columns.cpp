@@ -120,7 +120,7 @@ std::string other_length(const ArrayShape& array, const ArrayLayout& layout) {
   add_columns(std::span(&array, 1), layout, length, own, sources);
   std::string names = "'" + own.columns.front().name + "'";
   if (own.columns.size() > 1) names += " to '" + own.columns.back().name + "'";
-  return shown + ", of another length: a case names " + names + ")";
+  return shown + ", of another length: to read it, name " + names + " in the case)";
 }
 
 }  // namespace

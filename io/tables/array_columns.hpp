@@ -51,7 +51,7 @@ struct ChosenColumns {
 /// column "a". A matrix "X" becomes the columns "X(:,1)", "X(:,2)", … or, if rows are channels,
 /// "X(1,:)", …. An array of three dimensions becomes the columns "H(1,1,:)", …. The parts "H, real"
 /// and "H, imaginary" of a complex array become "H(:,1), real" and so on. Arrays of other lengths
-/// are added to `table.others`, with the name that selects the array in a case. Single numbers are
+/// are added to `table.others`, with the name by which a case selects the array. Single numbers are
 /// skipped.
 [[nodiscard]] ChosenColumns choose_columns(std::span<const ArrayShape> arrays,
                                            const ArrayLayout& layout, const Wanted& wanted,

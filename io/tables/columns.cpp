@@ -55,7 +55,7 @@ int Columns::find(std::string_view column) const {
   std::string known;
   for (const Column& c : columns) known += (known.empty() ? "'" : ", '") + c.header + "'";
   throw NoSuchColumn(file, std::string(column),
-                     "no column '" + std::string(column) + "', there are " + known);
+                     "no column '" + std::string(column) + "'; the columns are " + known);
 }
 
 Place Columns::place(std::size_t row, int column) const {

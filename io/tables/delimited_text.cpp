@@ -371,8 +371,8 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
       reason += " (decimal commas are read with \"decimal\": \",\")";
     else if (shape_.decimal == ',' && parse_number(text))
       reason +=
-          " with a decimal comma, unlike other cells (state \"decimal\": \".\" if all have "
-          "points)";
+          " with a decimal comma, unlike other cells (if all numbers have decimal points, state "
+          "\"decimal\": \".\")";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
       reason += ", unlike the cells above";
     else if (named_as_time(column.name))

@@ -1,7 +1,7 @@
 // Tables as text with one row per line. Wheeltap reads all delimited text by the following grammar.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
-//   line   = blanks | mark anything | row         only the last is a row
+//   line   = blanks | mark anything | row         a blank line, a comment, or a row of the table
 //   mark   = "#" | "%" | "!" | "//" | "$" | "&" | ">" | "~" | "@" | "***"
 //   row    = cell (separator cell)… [separator]
 //   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks

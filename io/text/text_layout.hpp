@@ -15,8 +15,8 @@ struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|', or ' ' for runs of blanks
   std::optional<char> decimal = {};    ///< decimal mark: '.' or ','
   std::optional<int> skip = {};        ///< number of lines to skip before detection
-  std::optional<int> header = {};      ///< line of the column names; 0: no line of names
-  std::optional<int> units_row = {};   ///< line of the column units; 0: no line of units
+  std::optional<int> header = {};      ///< line number of the column names; 0: no names
+  std::optional<int> units_row = {};   ///< line number of the column units; 0: no units
   std::string time_format =
       {};                  ///< format of time stamps (io/text/time_stamp.hpp); empty: detected
   std::string sheet = {};  ///< sheet of a workbook; empty: the first sheet that is not hidden
@@ -38,7 +38,7 @@ struct FoundLayout {
   bool start_has_zone = false;  ///< TimeStamp::has_zone of the first time stamp
   /// First and last ignored line after the table; 0 if no line was ignored.
   int tail_from = 0, tail_to = 0;
-  std::vector<HeadLine> above = {};  ///< lines above the rows, without comment marks
+  std::vector<HeadLine> above = {};  ///< lines above the first row, without comment marks
 };
 
 /// The name of a separator in cases and messages: "comma", "semicolon", "tab", "bar", "blank".

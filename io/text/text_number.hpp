@@ -20,7 +20,7 @@ struct PrintedDigits {
 
 /// Converts a number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma
 /// or point between two groups of digits ("1,234") could be the decimal mark. `proven` is true if
-/// other numbers of the text show that this character separates thousands.
+/// other numbers of the text show that the character separates thousands.
 [[nodiscard]] std::optional<double> parse_grouped_number(std::string_view text, char decimal,
                                                          bool proven = false);
 
@@ -33,9 +33,9 @@ struct PrintedDigits {
 /// cells, these words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
-/// Reads the decimal number at the start of [p, end). Raises `digits` if it has more printed
-/// digits. Returns the end of the number. Returns null if the string does not begin with a number,
-/// or if the number is nan, inf or beyond the range of doubles.
+/// Reads the decimal number at the start of [p, end). Raises `digits` if the number has more
+/// printed digits. Returns the end of the number. Returns null if the string does not begin with a
+/// number, or if the number is nan, inf or beyond the range of doubles.
 [[nodiscard]] const char* read_number(const char* p, const char* end, double& value,
                                       PrintedDigits& digits, char decimal = '.');
 

@@ -35,8 +35,8 @@ struct Split {
 [[nodiscard]] Split split(std::string_view line, char separator, const Reading& reading);
 
 /// Computes a score for a separator and a decimal mark. The score is the sum of one term per line.
-/// The term of a line with only numbers and time stamps is twice the number of its cells. The term
-/// of any other line is the number of its numbers and time stamps minus the number of its other
+/// If all cells of a line are numbers and time stamps, its term is twice the number of cells. For
+/// any other line, the term is the number of numbers and time stamps minus the number of other
 /// cells.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);

@@ -19,8 +19,8 @@
 namespace wheeltap::io {
 
 struct TimeStamp {
-  /// Time since 1970-01-01 00:00, in UTC if the time stamp has a time zone, otherwise in local
-  /// time. Without a date, the time since midnight.
+  /// Time since 1970-01-01 00:00: in UTC if the time stamp has a time zone, in local time if it has
+  /// none. Without a date: time since midnight.
   std::int64_t nanoseconds = 0;
   bool has_date = true;
   int decimals = 0;       ///< number of decimals of the seconds

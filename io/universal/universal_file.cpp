@@ -240,7 +240,7 @@ void finish(Reader& in, bool may_hold_more) {
       in.fail("'" + std::string(trimmed(line)).substr(0, 40) +
               "' where a dataset must end with -1");
   }
-  in.fail("the file ends within a dataset, which -1 must end: it is truncated");
+  in.fail("the file is truncated: its last dataset does not end with -1");
 }
 
 }  // namespace

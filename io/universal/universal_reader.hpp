@@ -1,4 +1,4 @@
-// A reader of the lines of a universal file, for the functions that read its datasets.
+// A reader of the lines of a universal file, for the functions that read the datasets.
 #pragma once
 
 #include <algorithm>
@@ -155,8 +155,8 @@ class Reader {
     return words;
   }
 
-  /// Reads `count` numbers from several lines. Each line has columns with the widths of the list
-  /// `widths`, which is repeated as often as necessary. If the numbers of a line are not in these
+  /// Reads `count` numbers from several lines. Each line has columns with the widths in `widths`;
+  /// this list is repeated as often as necessary. If the numbers of a line are not in these
   /// columns, the line is split at blanks instead. A line may have fewer numbers than columns.
   std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
                               const char* what) {

@@ -60,16 +60,16 @@ def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Calla
 def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?", seed: Optional[int] = None,
            chains: Optional[int] = None, warmup: Optional[int] = None, draws: Optional[int] = None, threads: int = 1,
            progress: Watcher = True, **options: Any) -> Result:
-    """Samples competing models and their parameters, after a mode search and an evidence estimate of each model.
+    """Samples competing models and their parameters, after a search and an evidence estimate for each model.
 
-    The mode search and the evidence estimate call the likelihoods with many rows. Sampling calls them with one row per
+    The search and the evidence estimate call the likelihoods with many rows. Sampling calls them with one row per
     step, because the next state of a chain depends on the current state. All calls hold the GIL, so more `threads` help
     only if the likelihoods release the GIL. An exception in a likelihood ends the run; `sample` raises this exception.
     """
     models = [models] if isinstance(models, Model) else list(models)
     for model in models:
         if not isinstance(model, Model):
-            raise TypeError(f"sample: models must be of wt.Model, and one is {type(model).__name__}")
+            raise TypeError(f"sample: models must be of the type wt.Model, and one is {type(model).__name__}")
     laws: Dict[str, Any] = {}
     functions, listed = [], []
     for model in models:

@@ -27,7 +27,7 @@ class Monitored(HasReport):
 
     @property
     def alarm(self) -> bool:
-        """Whether there was an alarm."""
+        """True if there was an alarm."""
         return bool(self.summary["monitor"]["alarm"])
 
     @property
@@ -37,7 +37,7 @@ class Monitored(HasReport):
 
     @property
     def probability_changed(self) -> float:
-        """P(at least one change since the end of the learning period)."""
+        """P(at least one change since the end of the training period)."""
         return float(self.summary["monitor"]["probability_changed"])
 
     def columns(self, name: str = "series.csv") -> Dict[str, np.ndarray]:

@@ -21,7 +21,7 @@ class Plan(HasReport):
 
     @property
     def designs(self) -> List[Dict[str, Any]]:
-        """The designs, largest probability of the right location first: sensors, information, detection, right_place, mcse."""
+        """The designs by probability of the right location: sensors, information, detection, right_place, mcse."""
         return self.summary["plan"]["designs"]
 
     @property
@@ -31,7 +31,7 @@ class Plan(HasReport):
 
     @property
     def smallest_detectable(self) -> List[Dict[str, Any]]:
-        """For every place, the smallest severity that the best design detects with probability 0.9, or None."""
+        """For every location, the smallest severity that the best design detects with probability 0.9, or None."""
         return self.summary["plan"]["smallest_detectable"]
 
     @property

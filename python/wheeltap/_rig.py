@@ -80,7 +80,7 @@ class Rig:
 
     z is the motion relative to the base (without base excitation, the absolute motion), starting at rest. Forces and
     ÿ_b are linear between samples. The classical Runge-Kutta method takes `steps` time steps per sample, for all
-    parameter vectors of a batch together. The number of time steps is fixed; `step_error` returns their error.
+    parameter vectors of a batch together. The number of time steps is fixed; `step_error` returns the time-step error.
 
     masses             [kg]: numbers or names of parameters
     links              Link(between, tension)

@@ -67,7 +67,7 @@ class Result(HasReport):
         self._posterior: Optional[bytes] = None
         self.summary: Dict[str, Any] = json.loads(summary)  #: all numbers, as in summary.json
         self.text = text  #: the terminal output of the program
-        self.run_id = run_id  #: runs of the same case with the same seed and options have the same name
+        self.run_id = run_id  #: identifier of the run; equal for runs of the same case with the same seed and options
         self.stopped_early = stopped_early
         self.notes = lines  #: messages issued during the run
 
@@ -89,7 +89,7 @@ class Result(HasReport):
 
     @property
     def converged(self) -> bool:
-        """Whether the chains have converged; otherwise `warnings` give the reasons."""
+        """True if the chains have converged; if False, `warnings` gives the reasons."""
         return bool(self.summary["diagnostics"]["converged"])
 
     @property

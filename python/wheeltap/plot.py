@@ -68,8 +68,8 @@ def inclusion(result: Any, ax: Any = None) -> Any:
 
 
 def where(result: Any, ax: Any = None) -> Any:
-    """Places of defects. For a beam, the figure is that of `inclusion`. For other structures: the 30 largest expected
-    numbers of defects at named places (member, joint, storey, spring, group). Dots show the true places, if known."""
+    """Locations of defects. For a beam, the figure is that of `inclusion`. Other structures: the 30 largest expected
+    numbers of defects at named locations (member, joint, storey, spring, group). Dots: true locations, if known."""
     summary = result.summary
     if "beam" in summary:
         return inclusion(result, ax)

@@ -327,7 +327,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
     if (!d.allFinite()) throw std::invalid_argument("decays: must be finite");
     for (Index c = 0; c < channels; ++c)
       if (d.cols() < 1 || !((d.row(c).array() - d(c, 0)).abs().maxCoeff() > 0.0))
-        throw ChannelError(c, "never moves");
+        throw ChannelError(c, "is constant");
   }
   ModalResult out{.method = ModalMethod::realisation,
                   .lowest_hz = options.lowest_hz,
@@ -347,7 +347,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const Index room = kMostHankelRows / channels + kMostHankelRows / events;
   const Index lags = std::min<Index>(length, options.lags > 0 ? options.lags : room);
   if (lags < 8)
-    refuse("samples", static_cast<double>(length), "must be at least 8 once decimated to the band");
+    refuse("samples", static_cast<double>(length), "must be at least 8 after decimation");
   Index columns = std::clamp<Index>(lags * channels / (channels + events), 1, lags - 1);
   const Index largest = std::min((lags - columns) * channels, columns * events);
   const int requested = options.largest_order > 0 ? options.largest_order / 2 * 2
@@ -356,7 +356,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   out.largest_order =
       std::min(requested, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
   if (out.largest_order < 2)
-    refuse("samples", static_cast<double>(length), "too few for any order");
+    refuse("samples", static_cast<double>(length), "too few for any model order");
   out.remarks.order_cut = out.largest_order < requested ? requested : 0;
   out.lags = static_cast<int>(lags);
   out.replicates = options.blocks > 0 ? options.blocks : kSurrogates;

@@ -11,9 +11,9 @@
 //
 //   y(t) = Re Σ c e^{λt} + c₀
 //
-// over all channels and decays (variable projection). The uncertainty follows from the assumption
-// of normal noise with the spectra and cross-spectra of the residuals, smoothed over spectral
-// lines. The derivatives of the least-squares fit give the covariance of the results.
+// over all channels and decays (variable projection). For the uncertainty, the noise is assumed
+// normal, with the spectra and cross-spectra of the residuals, smoothed over spectral lines. The
+// derivatives of the least-squares fit then give the covariance of the results.
 #pragma once
 
 #include <cstdint>

@@ -262,7 +262,7 @@ void identify_by_lags(ModalResult& out, const ModalOptions& options, const Count
   for (int round = 0; round < 2; ++round) {
     const Shape shape = shape_of(counted.requested, out.sample_rate_hz / slowest, counted.rows,
                                  counted.references, samples, options.lags);
-    if (shape.order < 2) refuse("samples", static_cast<double>(samples), "too few for any order");
+    if (shape.order < 2) refuse("samples", static_cast<double>(samples), "too few for a model");
     if (round == 1 && shape.lags() >= out.lags) break;  // unchanged
     out.lags = shape.lags();
     out.largest_order = shape.order;

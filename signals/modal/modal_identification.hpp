@@ -19,22 +19,22 @@ struct ModalOptions {
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
   std::vector<int> references = {};  ///< reference channels; empty: all channels
-  /// Poles chosen by the user in the stabilisation diagram; if empty, selection is automatic.
+  /// Poles chosen by the user in the stabilisation diagram; empty: automatic selection.
   std::vector<ChosenPole> poles = {};
   int threads = 0;
 };
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< identified in less than half of the model orders from the first order with
-                    ///< this mode
+  few_orders,       ///< identified in less than half of the model orders, counted from the first
+                    ///< order with the mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
                     ///< machine
-  /// Another mode has the same shape, and the frequencies differ by less than their standard
-  /// deviations. Or another mode with the same shape is within the half-power bandwidths and has a
-  /// smaller uncertainty.
+  /// Either another mode has the same shape and a frequency within the standard deviations, or
+  /// another mode with the same shape is within the half-power bandwidths and has a smaller
+  /// uncertainty.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
@@ -47,7 +47,7 @@ struct Mode {
   double collinearity = 0.0;     ///< modal phase collinearity
   double phase_deviation = 0.0;  ///< mean phase deviation [rad]
   int present = 0, orders = 0;   ///< number of model orders with this mode; number of all model
-                                 ///< orders from the first order with this mode on
+                                 ///< orders, counted from the first with this mode
   double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
                                     ///< a sine, 2 for noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
@@ -60,12 +60,12 @@ enum class ModalMethod {
   polyreference,  ///< from frequency response functions (polyreference.hpp)
   realisation,    ///< from free decays (free_decay.hpp)
   decomposition,  ///< peaks of spectra (frequency_domain_decomposition.hpp)
-  enhanced,       ///< decay of the correlation functions that belong to the spectra
+  enhanced,       ///< decay of the correlation functions, computed from the spectra
   bayesian        ///< Bayesian inference in frequency bands
                   ///< (identification/modal/bayesian_modes.hpp)
 };
 
-/// Warnings about the identification from the whole record.
+/// Warnings about the identification as a whole.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
   int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
@@ -133,7 +133,7 @@ struct ModalResult {
 void doubt_modes(ModalResult& result);
 
 /// Computes the kurtosis E|z|⁴ / (E|z|²)² of the complex amplitude z of a signal near a frequency.
-/// The mean E is over time windows of `cycles` cycles. The kurtosis is 1 for a steady sine and 2
+/// E is the mean over time windows of `cycles` cycles. The kurtosis is 1 for a steady sine and 2
 /// for normal noise.
 [[nodiscard]] double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x,
                                         double frequency_hz, double sample_rate_hz,

@@ -193,7 +193,7 @@ ModalModel model_of(const FrequencyResponses& f, std::vector<Complex> lambda,
 ModalModel fit_shapes(const FrequencyResponses& f, std::vector<Complex> eigenvalues,
                       MatrixXcd participation) {
   if (f.lines() < 1 || !(f.frequencies_hz[0] > 0.0))
-    throw std::invalid_argument("first line: must be above 0 Hz");
+    throw std::invalid_argument("first spectral line: must be above 0 Hz");
   if (participation.rows() != f.inputs() ||
       participation.cols() != static_cast<Index>(eigenvalues.size()))
     throw std::invalid_argument("participation: must be inputs × modes");

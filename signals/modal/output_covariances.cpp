@@ -44,7 +44,7 @@ OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& re
     const double largest = row.cwiseAbs().maxCoeff();
     detrend(x, 1);
     out.scale[c] = std::sqrt(row.squaredNorm() / static_cast<double>(n));
-    if (!(out.scale[c] > 1e-12 * largest)) throw ChannelError(c, "does not move");
+    if (!(out.scale[c] > 1e-12 * largest)) throw ChannelError(c, "is constant");
     y.row(c) = row / out.scale[c];
     out.zero_lag[c] = y.row(c).squaredNorm() / static_cast<double>(n);
   }

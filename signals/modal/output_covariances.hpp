@@ -10,8 +10,8 @@ namespace wheeltap::signals {
 
 struct CovarianceOptions {
   int lags = 60;                     ///< number of lags: i = 1 … lags
-  int blocks = 50;                   ///< number n_b of blocks of equal length; the remaining
-                                     ///< samples are not used
+  int blocks = 50;                   ///< number n_b of blocks of equal length; remaining samples
+                                     ///< are not used
   std::vector<int> references = {};  ///< reference channels; empty: all channels
   int threads = 0;
 };

@@ -133,7 +133,8 @@ PolyreferenceFit polyreference(const FrequencyResponses& f, int n) {
   if (lines < 2 * n + 2)
     refuse("lines", static_cast<double>(lines),
            "must be at least " + std::to_string(2 * n + 2) + " for order " + std::to_string(2 * n));
-  if (!(f.frequencies_hz[0] > 0.0)) refuse("first line", f.frequencies_hz[0], "must be above 0 Hz");
+  if (!(f.frequencies_hz[0] > 0.0))
+    refuse("first spectral line", f.frequencies_hz[0], "must be above 0 Hz");
   const Roots found =
       roots(fraction(f, n), kTwoPi * f.frequencies_hz[0], kTwoPi * f.frequencies_hz[lines - 1]);
   std::vector<std::size_t> order(found.lambda.size());

@@ -26,7 +26,7 @@ struct StabilisationOptions {
   /// damping ratio of a steady tone varies about 0.
   double lowest_damping = -0.002;
   double largest_relative_sd = 0.05;  ///< standard deviation / frequency
-  double least_share = 0.25;          ///< smallest share of the model orders that must contain a
+  double least_share = 0.25;          ///< smallest fraction of the model orders that must contain a
                                       ///< mode
   int threads = 0;
 };
@@ -44,9 +44,9 @@ struct ModeCluster {
 
 /// Reasons to reject a cluster as a mode.
 enum class Rejection {
-  few_orders,  ///< in less than least_share of the model orders from the first model order with the
-               ///< cluster
-  splinter,    ///< second cluster of a mode that was split; the other cluster has more poles and a
+  few_orders,  ///< in less than the fraction least_share of the model orders, counted from the
+               ///< first with the cluster
+  splinter,    ///< duplicate cluster of a split mode; the other cluster has more poles and a
                ///< smaller uncertainty
   noise,       ///< a model without this cluster fits the free decays equally well
   not_chosen   ///< not in the list of poles chosen by the user
@@ -67,33 +67,33 @@ struct Stabilisation {
 };
 
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
-/// joined. The poles of joined clusters have the same shape (MAC above 0.9). Their frequencies and
-/// damping ratios differ by less than three standard deviations, and the frequencies lie within
-/// their half-power bandwidths. Clusters with different shapes are not joined, even if their
-/// frequencies are close.
+/// joined. The poles of joined clusters have the same shape (MAC above 0.9). The frequencies and
+/// damping ratios of these poles differ by less than three standard deviations, and the frequencies
+/// lie within the half-power bandwidths. Clusters with different shapes are not joined, even if
+/// their frequencies are close.
 ///
-/// A mode is a cluster that occurs in at least three model orders, and in at least `least_share` of
-/// the model orders from the first model order with this cluster. A cluster is rejected as a
-/// splinter of a second cluster within three standard deviations if the second cluster has the same
-/// shape, more poles and at most half the uncertainty.
+/// A mode is a cluster that occurs in at least three model orders, and in at least the fraction
+/// `least_share` of the model orders, counted from the first with this cluster. A cluster is
+/// rejected as a splinter if a second cluster has the same frequency (within three standard
+/// deviations) and shape, more poles and less than half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
-/// most 1.1 times a limit. The limit is the 10 % quantile of the uncertainties of the cluster, or
-/// 1.25 times the smallest uncertainty, if that is less. Among the candidates in the upper half of
-/// the candidates' model orders, the pole with the median frequency is chosen. This rule avoids
-/// model orders that are too high, whose poles are less accurate, and low model orders that may not
-/// resolve neighbouring modes. The choice among the candidates does not depend on their
-/// uncertainty.
+/// most 1.1 times a limit. The limit is the smaller of two values: the 10 % quantile of the
+/// cluster's uncertainties, and 1.25 times the smallest uncertainty. Among the candidates in the
+/// upper half of the candidates' model orders, the pole with the median frequency is chosen. This
+/// rule avoids model orders that are too high, whose poles are less accurate, and low model orders
+/// that may not resolve neighbouring modes. The choice among the candidates does not depend on
+/// their uncertainty.
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
-/// therefore a candidate only if its model order contains all steady modes, including those outside
-/// the band, and all modes whose resonance peaks overlap with the peak of this mode. If no pole of
-/// these model orders has an uncertainty as small as the best pole of the cluster, the best poles
-/// of these model orders are the candidates. If these model orders have fewer than three poles, or
-/// if their best pole has more than twice the smallest uncertainty, poles of every model order can
-/// be candidates. Poles without standard deviations (NaN) require largest_relative_sd = ∞; then the
-/// pole with the median frequency of all poles represents the cluster.
+/// therefore a candidate only if its model order contains all steady modes (in at least half of
+/// their orders), also outside the band, and all modes whose resonance peaks overlap that of its
+/// mode. If no pole of these model orders is as certain as the best pole of the cluster, the best
+/// poles of these model orders are the candidates. If these model orders have fewer than three
+/// poles, or if their best pole has more than twice the smallest uncertainty, poles of every model
+/// order can be candidates. Poles without standard deviations (NaN) require largest_relative_sd =
+/// ∞; then the pole with the median frequency of all poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 

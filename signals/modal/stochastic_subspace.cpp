@@ -59,7 +59,8 @@ StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
   const int columns = options.columns > 0 ? options.columns : covariances.lags / 2;
   const int p = covariances.lags - columns;  // R_{p+q} is the last covariance
   if (columns < 1 || p < 1)
-    refuse("columns", columns, "must leave rows of " + std::to_string(covariances.lags) + " lags");
+    refuse("columns", columns,
+           "must be positive and below " + std::to_string(covariances.lags) + " (number of lags)");
   const MatrixXd h = block_hankel(covariances.mean, channels_, columns);
   const double norm = 1.0 / std::sqrt(static_cast<double>(blocks_) * (blocks_ - 1.0));
   decompose(

@@ -13,7 +13,7 @@
 // cov(vec H) = Σ T_k T_kᵀ. For a result x with the derivative J with respect to vec H, Δx_k = J T_k
 // and cov(x) = Σ Δx_k Δx_kᵀ. The derivative of the span of U₁ is computed for the full H, not for H
 // truncated to rank n. With P = UᵀΔH V, the element in column i ≤ n and row j > n is
-//   (UᵀΔU₁)_{ji} = (s_i P_{ji} + s_j P_{ij}) / (s_i² - s_j²),
+//   (UᵀΔU₁)_{ji} = (s_i P_{ji} + s_j P_{ij}) / (s_i² - s_j²).
 // This element does not depend on n. The matrix UᵀΔU₁ is therefore computed once, and each model
 // order uses a part of this matrix.
 #pragma once
@@ -91,7 +91,7 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles of a model order with the indices `places`, and their changes by data block.
+  /// Returns the poles with the indices `places`, with the changes that each data block causes.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:

@@ -22,23 +22,23 @@ test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, asyn
   run('init', 'modal', '-o', at('tower'));
   fs.renameSync(at('tower/modal.json'), at('starter.json'));
   const { page, close } = await open('#/record/tower%2Fmodal.csv');
-  await page.locator('text=Channels without a place (3)').waitFor();
+  await page.locator('text=Channels without a position (3)').waitFor();
   assert.equal(await page.locator('.channels svg.structure').count(), 0);
   await page.selectOption('[aria-label="Structure to draw"]', 'line');
   await page.click('dialog >> text=Draw');
   await node(page, '3').waitFor();
   // By mouse; the direction is x until another one is chosen.
   await node(page, '1').click();
-  await page.locator('text=Channels without a place (2)').waitFor();
+  await page.locator('text=Channels without a position (2)').waitFor();
   assert.equal(await field(page, 'node', 'floor 1').inputValue(), '1');
   assert.equal(await field(page, 'direction', 'floor 1').inputValue(), 'x');
   // By keyboard only: the next channel, the node above, its sign.
-  await page.locator('.chooser button', { hasText: 'Next without a place: floor 2' }).focus();
+  await page.locator('.chooser button', { hasText: 'Next without a position: floor 2' }).focus();
   await page.keyboard.press('Enter');
   await page.locator('.channels svg.structure .place[tabindex="0"]').focus();
   await page.keyboard.press('ArrowUp');
   await page.keyboard.press('Enter');
-  await page.locator('text=Channels without a place (1)').waitFor();
+  await page.locator('text=Channels without a position (1)').waitFor();
   const placed = await field(page, 'node', 'floor 2').inputValue();
   assert.equal(placed, await page.evaluate(() => document.activeElement.dataset.node)); // the focus stays on the node
   await field(page, 'node', 'floor 2').fill('2');
@@ -48,7 +48,7 @@ test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, asyn
   // By typing.
   await field(page, 'node', 'floor 3').fill('3');
   await field(page, 'direction', 'floor 3').selectOption('x');
-  await page.locator('text=Every sensor and force has a place').waitFor();
+  await page.locator('text=Every sensor and force has a position').waitFor();
   assert.equal(await arrows(page).count(), 3);
   await ready(page);
   // A column that is no sensor has no place; undo gives the place back.
@@ -357,7 +357,7 @@ const viewed = (page) => page.locator('label', { hasText: /^Table / }).locator('
 test('a changed draft of a modal case is not lost without a question', skip, async () => {
   twoTables('drafts');
   const { page, close } = await open('#/record/drafts%2Ftwo.uff');
-  const asked = answered(page), leave = 'Leave without saving the case?', discard = 'Discard the roles and places of the new modal case?';
+  const asked = answered(page), leave = 'Leave without saving the case?', discard = 'Discard the roles and positions of the new modal case?';
   await page.selectOption('[aria-label="Case"]', { label: 'A new modal case' });
   const role = field(page, 'Role', '12:+Z Acceleration');
   await role.selectOption('ignore');
@@ -480,7 +480,7 @@ test('the columns of the table of a monitor case: ranges, missing values, plots 
   await page.click('text=Columns of the table');
   await ready(page);
   assert.deepEqual(await rolesNow(page), { hour: 'time', 'f1 [Hz]': 'feature', 'f2 [Hz]': 'feature', 'f3 [Hz]': 'feature', 'air [degC]': 'covariate' });
-  // The share of missing values and the range are those of the file; each column has a plot, the selected one a large one.
+  // The fraction of missing values and the range are those of the file; each column has a plot, the selected one a large one.
   const lines = fs.readFileSync(at('bridge/monitor.csv'), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
   const cells = page.locator('.channels tbody tr').nth(1).locator('td');
   await page.locator('.channels td.missing', { hasText: '%' }).first().waitFor();

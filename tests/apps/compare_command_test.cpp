@@ -116,7 +116,7 @@ TEST_F(Compare, OfOtherDataIsRefused) {
   run(moved, "other");
   const Outcome ran = compare("");
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("uses other data than"));
+  EXPECT_THAT(ran.err, HasSubstr("does not use the data of"));
   EXPECT_EQ(compare("--prior 1,2,3").exit_code, 64);
   EXPECT_EQ(wheeltap(where, "compare " + (where / "same").string()).exit_code, 64);
   EXPECT_EQ(
@@ -140,7 +140,7 @@ TEST_F(Compare, DataAreToldByTheirContentAndNotByTheNamesOfFiles) {
   run(with_file(2.0, "a.csv", 16.5), "other");  // the same name, another content
   const Outcome ran = compare("");
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("uses other data than"));
+  EXPECT_THAT(ran.err, HasSubstr("does not use the data of"));
 }
 
 TEST_F(Compare, OnlyTheRatiosOfPriorWeightsCount) {

@@ -352,7 +352,7 @@ TEST_F(MatrixCase, Refusals) {
   json& s = case_["structure"];
   s["stiffness"]["post"] = "K9";
   refused("/structure/stiffness/post: \"K9\": ");
-  refused("has no file K9.mtx; there are: K1, K2, M");
+  refused("has no file K9.mtx; its files: K1, K2, M");
   s["stiffness"]["post"] = "K1";
   s["scale"] = {{"dek", 1}};
   refused("/structure/scale/dek: 1: no substructure");

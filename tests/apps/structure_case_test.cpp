@@ -301,7 +301,7 @@ TEST(StructureSection, Refusals) {
   json arm = cantilever_in_space();
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moment", 1}, {"shear_coefficient", 1}};
-  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in a space model");
+  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in dimension 3");
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moments", {{"yy", 1}, {"zz", 1}}}, {"shear_coefficient", 1}};
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
@@ -312,9 +312,8 @@ TEST(StructureSection, Refusals) {
 TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/nodes/A", {0, 0, 0}),
                  "/structure/nodes/A: [0,0,0]: must be [x, y]");
-  expect_refused(
-      changed("/structure/nodes/B", {0, 0}),
-      "/structure/members/0: member \"left post\": its ends at A and B are the same place");
+  expect_refused(changed("/structure/nodes/B", {0, 0}),
+                 "/structure/members/0: member \"left post\": its ends at A and B coincide");
   expect_refused(changed("/structure/members/0/nodes", {"A", "A"}),
                  "/structure/members/0/nodes: [\"A\",\"A\"]: are the same node");
   expect_refused(changed("/structure/members/0/nodes/1", "X"),
@@ -333,7 +332,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
                  "/structure/members/1/ends/D: \"hinge\": is not an end node of this member");
   expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
-                 "in a plane model, an end has \"rotation\"");
+                 "in dimension 2, an end has \"rotation\"");
   expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
                  "/structure/members/1/ends/B/rotation: -1");
   expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
@@ -351,7 +350,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
                  "/structure/members/1/wdith: 1: unknown key");
   json arm = cantilever_in_space();
   arm["structure"]["members"][0]["up"] = {1, 0, 0};
-  expect_refused(arm, "/structure/members/0: member \"arm\": \"up\" runs along the member");
+  expect_refused(arm, "/structure/members/0: member \"arm\": \"up\" is parallel to the member");
 }
 
 TEST(StructureCase, RefusesWhatIsWrongAtANode) {
@@ -366,7 +365,7 @@ TEST(StructureCase, RefusesWhatIsWrongAtANode) {
   expect_refused(changed("/structure/masses/0/mass", -2),
                  "/structure/masses/0/mass: -2: must be >= 0");
   expect_refused(changed("/structure/masses/0/inertia", {1, 1, 1}),
-                 "/structure/masses/0/inertia: [1,1,1]: in a plane model");
+                 "/structure/masses/0/inertia: [1,1,1]: in dimension 2");
   expect_refused(changed("/structure/springs/0", {{"node", "B"}, {"stiffness", 1}}),
                  "/structure/springs/0/direction: is missing");
   expect_refused(changed("/structure/springs/0", {{"stiffness", 1}}),

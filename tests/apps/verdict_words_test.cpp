@@ -25,13 +25,14 @@ std::string sentence(const Reason& reason) {
 
 // The sentence of each reason, with the remedy.
 TEST(VerdictWords, OfEachReason) {
-  EXPECT_EQ(
-      sentence(ModelNotEntered{
-          .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
-      "Model 'two' has no draws after 2 469 134 proposals; its evidence implies "
-      "P ≈ 0.25 ± 0.02. Use more mode searches (--search) or longer chains (--warmup, --draws).");
+  EXPECT_EQ(sentence(ModelNotEntered{
+                .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
+            "Model 'two' has no draws after 2 469 134 proposals; its evidence implies "
+            "P ≈ 0.25 ± 0.02. Use more searches for posterior modes (--search) or longer chains "
+            "(--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotEntered{.model = 1, .proposed = 0, .by_evidence = {.value = 0.25}}),
-            "Model 'two' has no draws; its evidence implies P ≈ 0.25. Use more mode searches "
+            "Model 'two' has no draws; its evidence implies P ≈ 0.25. Use more searches for "
+            "posterior modes "
             "(--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotInEveryChain{.model = 0, .visited = 3, .chains = 4}),
             "Only 3 of 4 chains have draws of model 'one'. Run longer (--warmup, --draws).");
@@ -43,16 +44,19 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
             "Model 'two' has no draws after 12 proposals; its evidence is not known. Run "
             "longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
-            "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found "
-            "(about 30 % of that model's probability). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
-            "No chain has draws of a mode of model 'one' that the searches found (about 30 % "
-            "of that model's probability). Run longer (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
+      "Only 3 of 4 chains have draws near a posterior mode of model 'one' that the searches found "
+      "(about 30 % of that model's probability). Run longer (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
+      "No chain has draws near a posterior mode of model 'one' that the searches found (about 30 % "
+      "of that model's probability). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeSharesDisagree{
                 .model = 0, .lowest = 0.1, .highest = 0.7, .rhat = 1.3456, .limit = 1.05}),
-            "The chains disagree about a mode of model 'one': the share of this mode in the draws "
-            "of that model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
+            "The chains disagree about a posterior mode of model 'one': the fraction of the "
+            "model's draws near this mode is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, "
+            "--draws).");
   EXPECT_EQ(sentence(EvidenceUnreliable{.model = 1,
                                         .pareto = 0.93,
                                         .limit = 0.7,
@@ -60,18 +64,20 @@ TEST(VerdictWords, OfEachReason) {
                                         .factor = 21.2}),
             "The evidence of model 'two' is uncertain: the tail of its importance weights is too "
             "heavy (Pareto k 0.93, must be at most 0.7), so that the estimate may be too small "
-            "by a factor of 21; its evidence implies P ≈ 0.001 ± 0.0001. Use more mode searches "
+            "by a factor of 21; its evidence implies P ≈ 0.001 ± 0.0001. Use more searches for "
+            "posterior modes "
             "(--search) "
             "or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModesLeftOut{.model = 0, .modes = 12, .share = 0.05}),
-            "The search for the modes of model 'one' found 12 modes more than it can keep "
+            "The search for posterior modes of model 'one' found 12 modes more than it can keep "
             "(about 5 % of that model's probability). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(AnnealingFindsMore{.model = 0,
-                                        .annealed = {.value = -47.5, .mcse = 0.1},
-                                        .drawn = {.value = -50.51, .mcse = 0.01}}),
-            "SMC finds more evidence for model 'one' (ln Z = -47.50 ± 0.10) than its draws "
-            "(-50.51 ± 0.01): the draws may lack a posterior mode. Use more mode searches "
-            "(--search) or longer chains (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(AnnealingFindsMore{.model = 0,
+                                  .annealed = {.value = -47.5, .mcse = 0.1},
+                                  .drawn = {.value = -50.51, .mcse = 0.01}}),
+      "SMC finds more evidence for model 'one' (ln Z = -47.50 ± 0.10) than its draws "
+      "(-50.51 ± 0.01): the draws may lack a posterior mode. Use more searches for posterior modes "
+      "(--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(EvidenceDisagrees{.model = 1,
                                        .by_draws = {.value = 0.3, .mcse = 0.004},
                                        .by_evidence = {.value = 0.42, .mcse = 0.003}}),

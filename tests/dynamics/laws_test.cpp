@@ -181,7 +181,7 @@ TEST(Laws, NameAnInfeasibleCoefficient) {
   EXPECT_EQ(named(make_law<laws::Cubic>({unknown}), 1.0, HUGE_VAL),
             "cubic of the link between 0 and 1: stiffness = inf, must be finite");
   EXPECT_EQ(named(make_law<laws::BoucWen>({1.0, 1.0, 1.0, 0.5, unknown}), 1.0, -0.5),
-            "bouc_wen of the link between 0 and 1: its coefficients contradict each other");
+            "bouc_wen of the link between 0 and 1: its coefficients are not feasible together");
   EXPECT_NE(named(make_law<laws::Coulomb>({1.0, unknown}), 1.0, 0.0).find("velocity = 0"),
             std::string::npos);
 }

@@ -91,8 +91,8 @@ TEST_F(ArrayFile, VectorsAndMatricesAreColumns) {
       EXPECT_THAT(values("daq/extra"), ElementsAre(9.0, 8.0, 7.0, 6.0));
     }
     EXPECT_THROW(values("calibration"), FileError) << "of another length";
-    EXPECT_THAT(c.others, ElementsAre("calibration (3 x 1, of another length: a case names "
-                                      "'calibration')"));
+    EXPECT_THAT(c.others, ElementsAre("calibration (3 x 1, of another length: to read it, name "
+                                      "'calibration' in the case)"));
   }
 }
 

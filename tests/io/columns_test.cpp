@@ -36,7 +36,7 @@ TEST(Columns, FindsByHeaderNameOrNumber) {
   EXPECT_EQ(table.find("2"), 1);
   for (const auto& [name, part] :
        {std::pair{"x", "r.csv: 2 columns are called 'x'; use the column's number"},
-        std::pair{"4", "r.csv: no column '4', there are 'force [N]', 'x [m]', 'x [mm]'"},
+        std::pair{"4", "r.csv: no column '4'; the columns are 'force [N]', 'x [m]', 'x [mm]'"},
         std::pair{"0", "no column '0'"}}) {
     try {
       (void)table.find(name);

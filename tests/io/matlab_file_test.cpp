@@ -78,7 +78,8 @@ TEST(MatlabFile, ReadsAColumnOfAnotherLengthByName) {
   Mat_Close(file);
   Columns t = read_columns(path);
   EXPECT_EQ(t.rows(), 4) << "the length that most numbers have";
-  EXPECT_THAT(t.others, testing::ElementsAre("idx (5 x 1, of another length: a case names 'idx')"));
+  EXPECT_THAT(t.others, testing::ElementsAre(
+                            "idx (5 x 1, of another length: to read it, name 'idx' in the case)"));
   t = read_matlab_file(path,
                        [](const Columns& c, std::size_t i) { return c.columns[i].name == "idx"; });
   EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("idx"))).values,
@@ -230,7 +231,7 @@ TEST(MatlabFile, ListsVariablesThatAreNotArrays) {
     (void)read_columns(path);
     FAIL();
   } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("no arrays of numbers: there are note (text)"),
+    EXPECT_NE(std::string(error.what()).find("no arrays of numbers; the file has note (text)"),
               std::string::npos)
         << error.what();
   }

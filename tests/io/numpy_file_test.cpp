@@ -99,7 +99,7 @@ TEST(NumpyFile, ArraysOfAnArchiveAreColumnsAndScalars) {
     EXPECT_EQ(t.scalars.at("fs"), 200.0);
     EXPECT_THAT(column(t, "acc(:,2)"), ElementsAre(2.0, 4.0, 6.0, 8.0));
     EXPECT_THAT(t.others, ElementsAre("names (text)",
-                                      HasSubstr("temperature (2 x 1, of another length: a case")));
+                                      HasSubstr("temperature (2 x 1, of another length: to read")));
   }
 }
 

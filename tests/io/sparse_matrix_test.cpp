@@ -88,7 +88,7 @@ TEST(SparseMatrix, FoldersHoldMatrixMarketFiles) {
   EXPECT_EQ(read_sparse_matrix(directory / "", "K").coeff(0, 0), 7.0);
   EXPECT_EQ(read_sparse_matrix(directory / "", "K.mtx").coeff(0, 0), 7.0);
   expect_refused([&] { (void)read_sparse_matrix(directory / "", "M"); },
-                 "has no file M.mtx; there are: K");
+                 "has no file M.mtx; its files: K");
   expect_refused([&] { (void)read_sparse_matrix(directory / "none", "M"); }, "no such file",
                  Kind::missing);
   expect_refused([&] { (void)read_sparse_matrix(directory / "K.mtx", "K"); }, "MATLAB",
@@ -150,7 +150,7 @@ TEST_P(MatlabMatrices, ReadsSparseAndFullMatricesByName) {
   Mat_Close(file);
   EXPECT_EQ(Eigen::MatrixXd(read_sparse_matrix(path, "model.K")), rows({{7}}));
   expect_refused([&] { (void)read_sparse_matrix(path, "model.M"); },
-                 "has no matrix \"model.M\"; there are: ");
+                 "has no matrix \"model.M\"; its matrices: ");
   expect_refused([&] { (void)read_sparse_matrix(path, "K.K"); }, "has no matrix \"K.K\"");
   const SparseMatrix k = read_sparse_matrix(path, "K");
   EXPECT_EQ(Eigen::MatrixXd(k), rows({{1, 0, 0}, {0, 0, 5}, {-2, 0, 0}}));
@@ -160,7 +160,7 @@ TEST_P(MatlabMatrices, ReadsSparseAndFullMatricesByName) {
   EXPECT_EQ(m.nonZeros(), 2) << "zeros are not stored";
   EXPECT_EQ(Eigen::MatrixXd(read_sparse_matrix(path, "whole")), rows({{1, 3, 5}, {2, 4, 6}}));
   expect_refused([&] { (void)read_sparse_matrix(path, "K0"); },
-                 "has no matrix \"K0\"; there are: ");
+                 "has no matrix \"K0\"; its matrices: ");
   expect_refused([&] { (void)read_sparse_matrix(path, "bad"); },
                  "\"bad\" has an entry that is not finite at row 1, column 2");
 }

@@ -135,7 +135,8 @@ TEST(TdmsFile, ChannelsOfOtherLengthsAndTextsAreListed) {
                                "r", {});
   EXPECT_EQ(t.columns[0].name, "g/a") << "there are two groups";
   EXPECT_THAT(t.others,
-              ElementsAre("h/note (text)", "g/b (2 x 1, of another length: a case names 'g/b')"));
+              ElementsAre("h/note (text)",
+                          "g/b (2 x 1, of another length: to read it, name 'g/b' in the case)"));
 }
 
 TEST(TdmsFile, RejectsDaqmxAndUnknownScalesWithTheRemedy) {

@@ -306,7 +306,7 @@ TEST(UniversalFile, RejectsInvalidFiles) {
   expect_refused(line + "         1         2         3\n    -1\n", "more nodes than the 2");
   expect_refused(line + "         1        -2\n    -1\n", "node -2: must not be negative");
   // Nodes and trace lines do not state their number.
-  expect_refused(line + "         1         2\n", "the file ends within a dataset");
+  expect_refused(line + "         1         2\n", "its last dataset does not end with -1");
   // 2^31 announced points must not allocate memory in advance.
   expect_refused(dataset_58("         2 999999999         1", "1 2 3 4\n"), "only 4 of");
   UniversalFile file;

@@ -144,14 +144,14 @@ TEST(WorkbookFile, ReadsAnotherSheetByName) {
                              row(number("1") + number("8"));
   const std::string bytes = workbook(first, second);
   EXPECT_THAT(parse_workbook(bytes, "log.xlsx", {}, {}).others,
-              ElementsAre("the sheet \"Notes & 2\" (a case reads it by \"sheet\": \"Notes & 2\")"));
+              ElementsAre("the sheet \"Notes & 2\" (to read it, state \"sheet\": \"Notes & 2\")"));
   const Columns table = parse_workbook(bytes, "log.xlsx", {}, {.sheet = "Notes & 2"});
   EXPECT_EQ(table.columns[1].header, "b [mm]");
   const Columns visible =
       parse_workbook(workbook(first, second, " state=\"hidden\""), "log.xlsx", {}, {});
   EXPECT_EQ(visible.columns[1].header, "b [mm]") << "the first is hidden";
   EXPECT_THAT(error(bytes, {.sheet = "Nots"}),
-              HasSubstr("has no sheet \"Nots\", there are \"Log\", \"Notes & 2\""));
+              HasSubstr("has no sheet \"Nots\"; its sheets are \"Log\", \"Notes & 2\""));
 }
 
 TEST(WorkbookFile, RejectsOtherFilesWithTheRemedy) {

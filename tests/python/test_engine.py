@@ -60,7 +60,7 @@ class Engine(unittest.TestCase):
     def test_one_model_needs_no_list(self):
         alone = wt.sample(models()[0], **QUICK)
         self.assertEqual(list(alone.probabilities), [models()[0].name])
-        with self.assertRaisesRegex(TypeError, "must be of wt.Model, and one is str"):
+        with self.assertRaisesRegex(TypeError, "must be of the type wt.Model, and one is str"):
             wt.sample(["nothing"], **QUICK)
 
     def test_one_row_at_a_time_gives_the_same_draws(self):

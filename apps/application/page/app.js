@@ -1,4 +1,4 @@
-// The pages of the application, chosen by the part of the address after #.
+// The pages of the application; the part of the address after # selects the page.
 import { channelsView } from './channels.js';
 import { attempt, element } from './dom.js';
 import { editorView } from './editor.js';
@@ -11,7 +11,7 @@ const words = { case: 'Case', result: 'Results', record: 'Record', poles: 'Poles
 const content = document.getElementById('content');
 let close, shown = location.hash, turn = 0;
 
-// The name in an address; a name with a percent sign that someone typed stays as it is.
+// The name in an address. A name with a percent sign that a user typed remains unchanged.
 const decoded = (name) => {
   try {
     return decodeURIComponent(name);

@@ -1,9 +1,9 @@
-// Arrows of sensors and forces on a drawing. The arrow of a sensor begins at its place, that of a force ends there.
+// Arrows on a drawing. The arrow of a sensor begins at the sensor; the arrow of a force ends at its point of action.
 import { svg } from './dom.js';
 
 const near = 8, far = 36, head = 9; // multiples of a unit of the drawing
 
-// `spot` is the place on the drawing and `tip` the direction there, in the units of the drawing.
+// `spot` is the position on the drawing and `tip` the direction there, in the units of the drawing.
 const arrowOf = ({ spot, tip, unit, arrow, chosen }) => {
   const group = svg('g', { class: `sensor${arrow.force ? ' force' : ''}${arrow.selected ? ' selected' : ''}`, 'data-number': arrow.number },
     svg('title', {}, arrow.title));
@@ -39,7 +39,7 @@ export const axesOf = (corner, tips, unit) => svg('g', { class: 'axes', 'aria-hi
     svg('text', { x: end[0] + 8 * unit * u / long, y: end[1] + (8 * v / long + 4) * unit, 'font-size': 12 * unit, 'text-anchor': 'middle' }, name)];
 }));
 
-// Draws the arrows whose places the drawing has. `spotOf(place, arrow)` and `tipOf(vector)` give places and directions on it.
+// Draws arrows. `spotOf(place, arrow)` and `tipOf(vector)` give positions and directions on the drawing.
 export const drawArrows = (picture, arrows, { spotOf, tipOf, unit, chosen }) => {
   for (const arrow of arrows) {
     const spot = spotOf(arrow.place, arrow);

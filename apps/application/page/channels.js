@@ -1,5 +1,5 @@
-// What becomes of each channel of a case: role, place, direction and sign, set in a list and on the drawn structure. For a
-// monitor case: the role of each column of its table, beside a plot of the column.
+// Role, position, direction and sign of each channel of a case, set in a list and on the drawn structure. For a monitor
+// case: the role of each column of its table, beside a plot of the column.
 import { ask, attempt, background, button, element, number, say } from './dom.js';
 import { Drawing } from './drawing.js';
 import { folderOf, relative } from './modes_case.js';
@@ -88,7 +88,7 @@ export class ChannelPanel {
     this.known = [];
     this.fault = null;
     this.typed = null;
-    // What is clicked meanwhile would be lost.
+    // Clicks during the reading would be lost.
     const focused = this.lists.contains(document.activeElement);
     this.node.inert = true;
     await background(async () => { this.known = (await this.knownOf(list)) ?? []; });
@@ -116,7 +116,7 @@ export class ChannelPanel {
 
   // ------------------------------------------------------------------- edits
 
-  // Changes the case; false if the action fails. `typed` names the field while its text is typed: one step of undo, and the table stays.
+  // Changes the case; false if the action fails. `typed` names a field in which the user types: one undo step, no new table.
   edit(action, typed = null) {
     const before = written(this.doc), row = this.rows[this.selected];
     try {
@@ -158,11 +158,11 @@ export class ChannelPanel {
 
   change(row, action, typed) { return this.edit(() => action(writable(this.doc, this.list(), row, this.known, this.support())), typed); }
 
-  // A place picked on the drawing, for the selected channel.
+  // A position picked on the drawing, for the selected channel.
   put(place) {
     const row = this.rows[this.selected], support = this.support();
     if (!row) return;
-    if (!takesPlace(row) && row.role !== 'ignore') { say(`${row.name} has the role ${roleWords[row.role] ?? row.role}: channels of this role have no place.`, true); return; }
+    if (!takesPlace(row) && row.role !== 'ignore') { say(`${row.name} has the role ${roleWords[row.role] ?? row.role}: channels of this role have no position.`, true); return; }
     const done = this.change(row, (channel) => {
       if (row.role === 'ignore' && this.list().kind === 'record') channel.role = 'response';
       setPlace(channel, place, support);
@@ -171,7 +171,7 @@ export class ChannelPanel {
     if (done) this.announce(`${row.name}: ${this.words(this.rows[this.selected].channel)}.`);
   }
 
-  // The last direction, or the next axis that no other channel has at this place.
+  // The last direction, or the next axis that no other channel has at this position.
   freeDirection(place, row) {
     const support = this.support(), all = directionsOf(this.list(), support).filter((one) => one !== 'angles');
     const taken = this.rows.filter((one) => one !== row && JSON.stringify(placeOf(one.channel, support)) === JSON.stringify(place)).map((one) => String(one.channel.direction ?? '').replace('-', ''));
@@ -196,7 +196,7 @@ export class ChannelPanel {
     line.querySelector('button')?.setAttribute('aria-pressed', String(i === this.selected));
   }
 
-  // The next row after `k` that is a sensor or force without a place; -1 if there is none.
+  // The next row after `k` that is a sensor or force without a position; -1 if all have one.
   nextWithout(k) {
     const support = this.support();
     const open = this.rows.map((row, i) => (['response', 'force'].includes(row.role) && !placeOf(row.channel, support) ? i : -1)).filter((i) => i >= 0);
@@ -207,7 +207,7 @@ export class ChannelPanel {
 
   words(channel) {
     const support = this.support(), place = placeOf(channel, support);
-    if (!place) return 'no place';
+    if (!place) return 'no position';
     const where = place.member !== undefined ? `member ${place.member} at ${number(place.at, 6)} m` : place.node !== undefined ? `node ${place.node}`
       : place.mass !== undefined ? `mass ${place.mass}` : place.dof !== undefined ? `degree of freedom ${place.dof}` : `${number(place.at, 6)} m`;
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;
@@ -243,7 +243,7 @@ export class ChannelPanel {
     }
     const heads = ['', 'channel', 'role', { beam: 'position [m]', chain: 'mass', matrices: 'place', plane: 'node', space: 'node' }[this.support()], list.ofMasses ? 'quantity' : 'direction', list.kind === 'record' && !list.ofMasses && 'reference'].filter((head) => head !== false);
     if (list.kind === 'modes' && ['plane', 'space'].includes(this.support())) heads[3] = 'node or member';
-    this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the channels' }, element('table', {}, element('caption', {}, 'Role, place and direction of each channel'),
+    this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the channels' }, element('table', {}, element('caption', {}, 'Role, position and direction of each channel'),
       element('thead', {}, element('tr', {}, heads.map((head) => (head ? element('th', { scope: 'col' }, head) : element('td', {}))))),
       element('tbody', {}, this.rows.map((row, k) => this.line(row, k)))), this.datalist()));
     if (focus) document.getElementById(focus)?.focus({ preventScroll: true });
@@ -257,7 +257,7 @@ export class ChannelPanel {
     return element('datalist', { id: 'places' }, names.map((name) => element('option', { value: name })));
   }
 
-  // Undo, unassigned channels, the chooser and the drawing: what changes while a text is typed.
+  // Updates the parts that change while a text is typed: undo, unassigned channels, the chooser and the drawing.
   showRest() {
     const [undo, redo] = this.buttons.slice(-2);
     undo.disabled = !this.undone.length;
@@ -269,14 +269,14 @@ export class ChannelPanel {
     const support = this.support(), pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', title: 'Select this channel' });
     const open = this.rows.map((row, k) => k).filter((k) => ['response', 'force'].includes(this.rows[k].role) && !placeOf(this.rows[k].channel, support));
     const unused = this.rows.map((row, k) => k).filter((k) => this.rows[k].role === '');
-    this.rest.replaceChildren(element('p', { class: open.length ? 'open' : 'quiet' }, open.length ? [`Channels without a place (${open.length}): `, ...open.map(pick)] : 'Every sensor and force has a place.'),
+    this.rest.replaceChildren(element('p', { class: open.length ? 'open' : 'quiet' }, open.length ? [`Channels without a position (${open.length}): `, ...open.map(pick)] : 'Every sensor and force has a position.'),
       unused.length ? element('p', { class: 'quiet' }, `Columns of the file that the case does not use (${unused.length}): `, unused.map(pick)) : '');
     this.showChooser();
     const arrows = arrowsOf(this.rows, support).map((arrow) => ({ ...arrow, selected: arrow.number === this.selected + 1 }));
     const drawable = this.structure() || this.doc.structure?.chain || this.doc.beam || this.doc.models?.[0]?.masses;
     this.drawing.show(drawable ? this.doc : {}, this.named, arrows);
     if (!drawable) this.drawing.place.replaceChildren(element('p', { class: 'empty' }, this.list().kind === 'record'
-      ? 'The case has no geometry, so there is no drawing yet. Choose a structure below, or type the nodes in the list.' : 'This structure has no drawing: type the places in the list.'));
+      ? 'The case has no geometry, so there is no drawing yet. Choose a structure below, or type the nodes in the list.' : 'This structure has no drawing: type the positions in the list.'));
     this.showSource(drawable);
   }
 
@@ -288,13 +288,13 @@ export class ChannelPanel {
     const now = support === 'chain' && !placed ? '' : current, next = this.nextWithout(this.selected);
     const takes = takesPlace(row) || row.role === 'ignore', what = { beam: 'its position on the beam', chain: 'its mass', plane: 'its node', space: 'its node', matrices: '' }[support];
     const where = this.list().kind === 'modes' && ['plane', 'space'].includes(support) ? 'its node, or a point of a member,' : what;
-    const title = element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}: `), !takes ? `channels of the role ${roleWords[row.role] ?? row.role} have no place.`
-      : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no place yet. Click ${where} on the drawing, or type the place in the list.`);
+    const title = element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}: `), !takes ? `channels of the role ${roleWords[row.role] ?? row.role} have no position.`
+      : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no position yet. Click ${where} on the drawing, or type the position in the list.`);
     const tools = takes && row.i !== null ? [directions.length ? element('span', { class: 'tools', role: 'radiogroup', 'aria-label': 'Direction' }, directions.map((one) =>
       button(one === 'angles' ? 'angles' : one.replace('-', '−'), () => this.turnTo(row, one), { role: 'radio', 'aria-checked': String(one === now), class: one === now ? 'on' : '', 'data-direction': one, title: one === 'angles' ? 'azimuth and elevation' : null }))) : null,
     directions.length && vectorOf(channel, support) && support !== 'beam' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The positive axis of the sensor points opposite to this direction' }) : null,
-    placed ? button('Clear the place', () => this.change(row, (own) => setPlace(own, null, support))) : null] : [];
-    if (next >= 0 && next !== this.selected) tools.push(button(`Next without a place: ${this.rows[next].name}`, () => this.select(next)));
+    placed ? button('Clear the position', () => this.change(row, (own) => setPlace(own, null, support))) : null] : [];
+    if (next >= 0 && next !== this.selected) tools.push(button(`Next without a position: ${this.rows[next].name}`, () => this.select(next)));
     const focused = this.chooser.contains(document.activeElement) ? document.activeElement.textContent : null;
     this.chooser.replaceChildren(title, element('div', { class: 'tools' }, tools.filter(Boolean)));
     if (focused) [...this.chooser.querySelectorAll('button')].find((one) => one.textContent === focused)?.focus({ preventScroll: true });

@@ -1,5 +1,5 @@
 // The structure of a case, drawn while it is edited. Nodes of plane frames are moved, added, joined and deleted by mouse
-// or by keyboard; structures in space can be turned. Where places of channels are picked, nothing else is edited.
+// or keyboard; three-dimensional structures can be rotated. While positions of channels are picked, edits are disabled.
 import { axesOf, drawArrows } from './arrows.js';
 import { button, element, number, svg } from './dom.js';
 import { allArrows, geometryAsStructure } from './sensors.js';
@@ -17,8 +17,8 @@ const length = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
 const rounded = (x, step) => Number((Math.round(x / step) * step).toPrecision(12));
 
 export class Drawing {
-  // `changed()` is called after an edit of the document, `chosen(pointer)` when a part is picked. With `picked(place)`
-  // the drawing takes places of channels instead, and `pointed(arrow)` is called when an arrow is clicked.
+  // `changed()` is called after an edit of the document, `chosen(pointer)` when a part is picked. With `picked(place)`,
+  // the drawing returns positions of channels instead, and `pointed(arrow)` is called when an arrow is clicked.
   constructor(place, { changed, chosen, picked, pointed }) {
     this.place = place;
     this.changed = changed;
@@ -46,7 +46,7 @@ export class Drawing {
 
   again() { this.show(this.doc, this.named, this.given); }
 
-  // Lets a part of the drawing be picked as a place by mouse and keyboard.
+  // Makes a part of the drawing selectable as a position, by mouse and keyboard.
   pickable(part, name, place) {
     if (!this.picked) return;
     for (const [key, value] of Object.entries({ role: 'button', tabindex: -1, 'aria-label': name })) part.setAttribute(key, value);
@@ -60,7 +60,7 @@ export class Drawing {
     });
   }
 
-  // One place is in the order of Tab; the arrow keys move to the nearest place in their direction.
+  // The Tab key reaches one position; the arrow keys move to the nearest position in their direction.
   roving(picture) {
     if (!this.picked) return;
     const places = [...picture.querySelectorAll('.place')], first = places.find((one) => one.dataset.place === this.last) ?? places[0];
@@ -185,7 +185,7 @@ export class Drawing {
         button(text, () => { this.tool = tool; this.first = undefined; this.again(); }, { role: 'radio', 'aria-checked': String(this.tool === tool), class: this.tool === tool ? 'on' : '' }))) : null;
     const help = solid ? 'Drag the drawing or use the arrow keys to turn it.' : editable ? {
       move: `Drag a node, or select a node and use the arrow keys. The grid spacing is ${number(this.step)} m. Click a member to see its keys in the case.`,
-      node: `Click the place of the new node. The grid spacing is ${number(this.step)} m.`,
+      node: `Click the position of the new node. The grid spacing is ${number(this.step)} m.`,
       member: this.first ? `Click the second node of the member from ${this.first}.` : 'Click the two nodes of a member, one after the other.',
       delete: 'Click the node or member to delete.',
     }[this.tool] : '';
@@ -194,7 +194,7 @@ export class Drawing {
     if (focused) [...picture.querySelectorAll('.node')].find((dot) => dot.dataset.node === focused)?.focus();
   }
 
-  // The place on a member under the pointer, rounded.
+  // The position on a member under the pointer, rounded.
   onMember(picture, event, member, nodes, [a, b]) {
     const ends = member.nodes.map((name) => nodes.find((node) => node.name === String(name)).at), whole = length(...ends);
     const [px, py] = this.point(picture, event), along = [b[0] - a[0], b[1] - a[1]];

@@ -24,7 +24,7 @@ export const editorView = async (place, name) => {
   const formPlace = element('div', { class: 'form' }), drawingPlace = element('div', { class: 'drawing' });
   const list = runList(name);
 
-  // Names that a text of the case may refer to.
+  // Names to which a text of the case may refer.
   const choices = (path) => {
     const key = path.at(-1), up = path.at(-2), s = doc.structure ?? {};
     if (key === 'material') return Object.keys(s.materials ?? {});
@@ -90,7 +90,7 @@ export const editorView = async (place, name) => {
     if (skip !== 'drawing') draw();
   };
 
-  // After an edit of `doc` by the form or the drawing.
+  // Called after an edit of `doc` by the form or the drawing.
   const edited = ({ from, structural = false }) => {
     remember(from === 'form' && !structural ? form.edited : null);
     text = `${written(doc)}\n`;
@@ -104,7 +104,7 @@ export const editorView = async (place, name) => {
     refresh();
   };
 
-  // Keys typed in one place in quick succession are one step; the place is null for other edits.
+  // Keys typed in one field in quick succession are one undo step; `typedAt` is null for other edits.
   let lastPlace = null, lastTime = 0;
   const remember = (typedAt) => {
     const now = Date.now(), same = typedAt !== null && typedAt === lastPlace && now - lastTime < 1000;

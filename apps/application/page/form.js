@@ -195,7 +195,7 @@ export class Form {
     return element('div', { class: 'outline' }, picture, input, button('Import a drawing (DXF) …', () => { input.value = ''; input.click(); }));
   }
 
-  // A number or a text. Text that is no number stays a text where the schema allows names.
+  // A number or a text. A text that is not a number remains a text if the schema allows names.
   scalar(rule, value, path, id) {
     const types = this.rules.types(rule);
     const numeric = types.includes('number') || types.includes('integer');
@@ -227,7 +227,7 @@ export class Form {
     return { node };
   }
 
-  // Another shape of a section: sizes that both have stay.
+  // Changes the shape of a section; keeps the dimensions that both shapes have.
   reshape(path, shape) {
     const section = at(this.doc, path.slice(0, -1));
     const size = section.width ?? section.diameter ?? section.outer_diameter ?? 0.1;
@@ -295,7 +295,7 @@ export class Form {
     return element('div', { class: 'prior' }, picker, inputs);
   }
 
-  // A list of few numbers or names, on one line; none for other lists.
+  // A list of few numbers or names, on one line; null for other lists.
   shortList(found, value, path, id) {
     const types = this.rules.types(found.items ?? {}), numeric = types.includes('number') || types.includes('integer');
     if (!(found.maxItems <= short) || value.some((x) => x !== null && typeof x === 'object')) return null;
@@ -367,7 +367,7 @@ export class Form {
     return element('div', { class: 'numbers' }, area, count);
   }
 
-  // Shows a fault at its field, or at the nearest field above it. Null removes it.
+  // Shows a fault at its field, or at the nearest field above it. Null removes the fault.
   mark(fault) {
     this.fault = fault;
     for (const old of this.place.querySelectorAll('.fault:not([hidden])')) { old.hidden = true; old.textContent = ''; }
@@ -397,7 +397,7 @@ export class Form {
     return null;
   }
 
-  // Moves to the field of a place in the case.
+  // Moves to the field of a location in the case.
   go(pointer) {
     const place = this.nearest(pointer);
     if (!place) return;

@@ -31,7 +31,7 @@ const lineThrough = (nodes) => {
   return { length, at };
 };
 
-// Each maker changes a starter case so that its structure has places for the sensors of the modes.
+// Each maker changes a starter case so that its structure has positions for the sensors of the modes.
 const makers = {
   building: (doc, { sensors }) => {
     const numbers = sensors.map((sensor) => Number(/^(?:mass )?(\d+)$/.exec(sensor.node ?? '')?.[1] ?? 0));
@@ -94,5 +94,5 @@ export const newDamageCase = (result) => attempt(async () => {
   }
   await post('save', { name: made, text: `${written(doc)}\n`, before: opened.version });
   location.hash = `#/case/${encodeURIComponent(made)}`;
-  if (!kind.name) say('Replace the example values of the structure with those of your structure. Set the places of the sensors on the page “Channels on the structure”.');
+  if (!kind.name) say('Replace the example values of the structure with those of your structure. Set the positions of the sensors on the page “Channels on the structure”.');
 });

@@ -11,7 +11,7 @@ export const ticks = (low, high, count = 6) => {
   return out;
 };
 
-// An SVG of this size with both axes; `x` and `y` convert values to places.
+// An SVG of this size with both axes; `x` and `y` convert values to coordinates.
 export const plot = ({ width, height, xs, ys, xLabel, yLabel, left = 52, bottom = 40, label }) => {
   const x = (value) => left + (width - left - 12) * ((value - xs[0]) / (xs[1] - xs[0] || 1));
   const y = (value) => height - bottom - (height - bottom - 10) * ((value - ys[0]) / (ys[1] - ys[0] || 1));

@@ -24,7 +24,7 @@ const product = (a, b) => {
   return (re * re + im * im) / (aa * bb || 1);
 };
 
-// The shape rotated to be as real as possible, its largest entry 1.
+// The shape, rotated in phase to minimise its imaginary parts and scaled to a largest entry of 1.
 const principal = ({ real, imaginary }) => {
   let s = 0, c = 0;
   real.forEach((x, i) => { c += x * x - imaginary[i] ** 2; s += 2 * x * imaginary[i]; });
@@ -93,7 +93,7 @@ export const polesView = async (place, name) => {
     tell(p);
     draw();
   };
-  // The best-known pole of a box.
+  // The pole with the smallest uncertainty in a box.
   const best = (inside) => inside.sort((a, b) => (a.sd / a.f) * (a.dampingSd ?? 1) - (b.sd / b.f) * (b.dampingSd ?? 1))[0];
 
   const draw = () => {

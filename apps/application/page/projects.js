@@ -32,7 +32,7 @@ export const copyCase = (name) => attempt(async () => {
   location.hash = `#/case/${encodeURIComponent(made.name)}`;
 });
 
-// A probability; tiny ones without digits that nobody reads.
+// A probability as text; an upper bound if it is below 1e-6.
 const share = (p, digits = 3) => (p > 0 && p < 1e-6 ? '< 0.000001' : number(p, digits));
 
 // Model probabilities and parameters of several results, side by side.

@@ -1,4 +1,4 @@
-// The data viewer: channels of a measured file, zoomed in on the server, with spectra; and what becomes of the channels in
+// The data viewer: channels of a measured file, zoomed in on the server, with spectra; and the roles of the channels in
 // a case.
 import { ChannelPanel, columnsOf } from './channels.js';
 import { ask, attempt, background, button, element, number, painted, say, svg } from './dom.js';
@@ -123,7 +123,7 @@ export const recordView = async (place, name) => {
     if (isGiven && !band) say(`The band must be two frequencies in Hz, the lower one first, not ${lowest.value} to ${highest.value}: it is not used.`, true);
   });
 
-  // The quality of the channels, when it is known.
+  // Shows the quality of the channels after the server has determined it.
   const showChecks = () => current().channels.forEach((channel, c) => {
     if (!channel.faults) return;
     const row = channels.querySelectorAll('tbody tr')[c];
@@ -167,7 +167,7 @@ export const recordView = async (place, name) => {
     location.hash = `#/case/${encodeURIComponent(given[0].trim())}`;
   });
 
-  // What becomes of the channels: in a case that uses this record, or in a new one.
+  // The roles of the channels, in a case that uses this record or in a new case.
   const roles = element('div'), selection = element('label', { class: 'inline' }), edit = element('a', {}, 'Edit the case'), make = button('New modal case from this record …', makeCase, { class: 'main' });
   // The window counts samples of the viewed table: a case that reads other samples cannot take it.
   const requireViewed = async (one, list) => {
@@ -268,7 +268,7 @@ export const recordView = async (place, name) => {
   };
 
   const tables = contents.tables.length > 1 ? element('label', { class: 'inline' }, 'Table ', element('select', { onchange: (event) => {
-    if (panel?.draft && panel.unsaved() && !confirm('Discard the roles and places of the new modal case?')) { event.target.selectedIndex = table; return; }
+    if (panel?.draft && panel.unsaved() && !confirm('Discard the roles and positions of the new modal case?')) { event.target.selectedIndex = table; return; }
     table = event.target.selectedIndex;
     [begin, end] = [0, 0];
     shown.clear();

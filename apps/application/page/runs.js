@@ -1,4 +1,4 @@
-// Runs: a list that follows the server while something runs.
+// The list of runs, which the page updates from the server while a case runs.
 import { attempt, button, element, number, seconds } from './dom.js';
 import { get, post } from './server.js';
 import { badge } from './table.js';
@@ -29,7 +29,7 @@ const poll = async () => {
   timer = setTimeout(poll, list.some(busy) ? 700 : 5000);
 };
 
-// Calls `listener(runs, ended)` after each change; returns a function that ends it.
+// Calls `listener(runs, ended)` after each change; returns a function that ends these calls.
 export const follow = (listener) => {
   listeners.add(listener);
   poll();

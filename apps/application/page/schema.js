@@ -1,4 +1,4 @@
-// Rules of a JSON Schema as the form needs them, and the text of a case.
+// The rules of a JSON Schema in the form that the page needs, and the text of a case.
 
 // Numbers as engineers write them: 210e9, 1e-6.
 export const numberText = (x) => {
@@ -34,8 +34,8 @@ export const written = (value, indent = '') => {
   return `${open}\n${items.join(',\n')}\n${indent}${close}`;
 };
 
-// Numbers of a text that was typed or pasted from a spreadsheet: rows of cells. A dash, an empty cell and
-// "null" are null. A comma is a decimal sign where tabs, semicolons or line breaks separate the cells.
+// Numbers in a text that was typed or pasted from a spreadsheet: rows of cells. A dash, an empty cell and "null" are
+// null. A comma is a decimal mark if tabs, semicolons or line breaks separate the cells.
 export const tableOf = (text) => {
   const rows = text.trim().split(/\r?\n/);
   const tabs = /[\t;]/.test(text);
@@ -51,7 +51,7 @@ export const tableOf = (text) => {
   });
 };
 
-// One list of numbers; a first column that counts the rows is left out. Undefined if a cell is not a number.
+// One list of numbers; omits a first column that counts the rows. Undefined if a cell is not a number.
 export const listOf = (text) => {
   if (!text.trim()) return [];
   let rows = tableOf(text);
@@ -108,7 +108,7 @@ export class Rules {
     return parts.join(', ');
   }
 
-  // How well a value fits: 0 for another type; more for more of its keys.
+  // How well a value agrees with a rule: 0 for another type; larger if more of its keys are allowed.
   fit(rule, value) {
     const found = this.resolve(rule);
     if (found.anyOf) return Math.max(...found.anyOf.map((one) => this.fit(one, value)));
@@ -128,7 +128,7 @@ export class Rules {
     return 2;
   }
 
-  // A value to begin with.
+  // An initial value.
   initial(rule) {
     const found = this.resolve(rule);
     if (found.examples) return structuredClone(found.examples[0]);

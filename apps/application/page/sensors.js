@@ -1,4 +1,4 @@
-// Channels of a case: the place, direction and sign of each, in the keys of the case.
+// Channels of a case: the position, direction and sign of each, in the keys of the case.
 import { at, pointerOf } from './schema.js';
 import { folderOf } from './modes_case.js';
 import { seriesRows } from './series.js';
@@ -37,7 +37,7 @@ export const fileOf = (doc, list) => {
   return (list.kind === 'modes' ? block?.from : block?.[list.key ?? 'file']) ?? '';
 };
 
-// A file as a case reads it, for a request to the server: the keys of the case that state the layout of the table.
+// A file and the keys of the case that state the layout of its table, for a request to the server.
 const layoutKeys = ['decimal', 'separator', 'skip', 'header', 'units_row', 'sheet', 'time_format', 'rows_are_channels', 'resample'];
 export const sourceOf = (name, block) => {
   const stated = Object.fromEntries(layoutKeys.filter((key) => block?.[key] !== undefined).map((key) => [key, block[key]]));
@@ -45,7 +45,7 @@ export const sourceOf = (name, block) => {
   return Object.keys(stated).length ? { name, layout: JSON.stringify(stated) } : { name };
 };
 
-// What a place of a case is: a node of a plane or of space, a position on a beam, a mass of a chain, a row of matrices.
+// The type of a sensor's position: a node in 2D or 3D, a coordinate on a beam, a mass of a chain, a row of matrices.
 export const supportOf = (doc, structure) => {
   if (doc.beam) return 'beam';
   if (doc.structure?.chain || doc.kind === 'sid') return 'chain';
@@ -77,7 +77,7 @@ export const vectorOf = (channel, support) => {
 
 const massOf = (channel) => (Number.isInteger(channel.mass) ? channel.mass : Number(/^(?:mass )?(\d+)$/.exec(String(channel.node ?? ''))?.[1] ?? NaN));
 
-// The place of a channel as the drawing names it; null without one.
+// The position of a channel in the terms of the drawing; null if the channel has none.
 export const placeOf = (channel, support) => {
   if (support === 'beam') return typeof channel.at === 'number' ? { at: channel.at } : null;
   if (support === 'chain') return Number.isFinite(massOf(channel)) ? { mass: massOf(channel) } : null;
@@ -86,7 +86,7 @@ export const placeOf = (channel, support) => {
   return channel.node !== undefined && channel.node !== '' ? { node: String(channel.node) } : null;
 };
 
-// Gives a channel a place. A chain states the sign of a sensor with the name of the mass only.
+// Gives a channel a position. In a chain, a sign is possible only if the sensor has the name of its mass.
 export const setPlace = (channel, place, support) => {
   const backwards = String(channel.direction ?? '').startsWith('-');
   for (const key of ['node', 'member', 'at', 'mass', 'dof']) delete channel[key];
@@ -149,7 +149,7 @@ export const rowsOf = (doc, list, known) => {
 
 export const rolesOf = (doc, list) => (list.kind === 'record' ? ['response', 'force', ...(list.ofMasses ? ['base-acceleration', 'base-displacement'] : []), 'ignore', 'time'] : at(doc, list.path)?.from !== undefined ? ['response', 'ignore'] : ['response']);
 
-// The channel of a row in the case, for a change. A list of sensors begins with those of the modes.json.
+// The channel of a row in the case, for a change. A new list of sensors contains those of the modes.json.
 export const writable = (doc, list, row, known, support) => {
   const block = at(doc, list.path);
   if (list.kind === 'record') {
@@ -177,7 +177,7 @@ export const writable = (doc, list, row, known, support) => {
   return block.sensors[row.i];
 };
 
-// Gives a channel another role; keys that the role does not allow go.
+// Gives a channel another role; deletes the keys that the role does not allow.
 export const setRole = (doc, list, row, role, known, support) => {
   const channel = writable(doc, list, row, known, support);
   if (list.kind !== 'record') {
@@ -195,7 +195,7 @@ export const setRole = (doc, list, row, role, known, support) => {
   for (const key of gone) delete channel[key];
 };
 
-// One arrow for each row with a place and a direction.
+// One arrow for each row with a position and a direction.
 export const arrowsOf = (rows, support) => rows.flatMap((row, k) => {
   if (!['response', 'force'].includes(row.role)) return [];
   const place = placeOf(row.channel, support), vector = vectorOf(row.channel, support);
@@ -208,7 +208,7 @@ export const allArrows = (doc, structure) => {
   return lists.flatMap((list) => arrowsOf(rowsOf(doc, list, []), support)).map((arrow) => (lists.length > 1 ? { ...arrow, number: '' } : arrow));
 };
 
-// The place of a file that a case in `folder` names; null outside the folder of the application, for
+// The path of a file that a case in `folder` names; null outside the folder of the application, for
 // an absolute path and for an empty name.
 export const resolved = (folder, name) => {
   if (name === '' || String(name).startsWith('/')) return null;

@@ -1,4 +1,4 @@
-// The columns of the table of a monitor case: the role of each, with its range, its missing values and a small plot.
+// The columns of a monitor case's table: role, range, missing values and a small plot of each column.
 import { element, number, svg } from './dom.js';
 import { plot } from './plot.js';
 import { get } from './server.js';
@@ -11,8 +11,8 @@ const hasStructure = (doc) => Boolean(doc.beam || doc.structure);
 const listOf = (value) => (Array.isArray(value) ? value : []);
 const bare = (text) => String(text).replace(/\s*(\[[^\]]*\]|\([^)]*\))$/, '');
 
-// All columns of a table in the order of the file. `columnOf(column, all)` is the name of a column in a case. `plotted` is
-// the place of the column among the channels that the server draws.
+// All columns of a table in the order of the file. `columnOf(column, all)` is the name of a column in a case. `plotted`
+// is the index of the column among the channels that the server draws.
 export const seriesColumns = (table, columnOf) => {
   if (!table) return [];
   const all = [...table.channels.map((channel, i) => ({ ...channel, plotted: i })),
@@ -52,12 +52,12 @@ export const seriesRows = (doc, list, known) => {
     name: column?.label ?? (String(one.text) || '(no name)'), unit: column?.unit ?? '', pointer: one?.pointer ?? '' });
   return [...known.flatMap((column, i) => {
     const own = named.filter((one) => one.column === column);
-    if (own.length) column.text = own[0].text; // the case keeps its way to name the column
+    if (own.length) column.text = own[0].text; // the case keeps its name of the column
     return own.length ? own.map((one) => row(one, column, i)) : [row(null, column, i)];
   }), ...named.filter((one) => !one.column).map((one) => row(one, undefined, `${one.role} ${one.text}`))];
 };
 
-// The place of a column in a list of the case that keeps the order of the file.
+// The index of a column in a list of the case that has the order of the file.
 const placeIn = (list, column, known) => {
   const order = (text) => { const found = known.indexOf(columnNamed(known, text)); return found < 0 ? -1 : found; };
   const after = list.findIndex((text) => order(text) > known.indexOf(column));
@@ -145,7 +145,7 @@ export const setMode = (doc, row, text) => {
 export const modeOf = (doc, row) => modesOf(doc)?.[row.index] ?? row.index + 1;
 export { hasStructure };
 
-// Reads extremes, range and share of missing values of the columns, and calls `shown()` after each answer.
+// Reads extremes, range and fraction of missing values of the columns, and calls `shown()` after each answer.
 export const readViews = async (source, known, shown) => {
   const plotted = known.filter((column) => column.plotted !== undefined);
   for (let from = 0; from < plotted.length; from += atOnce) {
@@ -202,7 +202,7 @@ export const smallPlot = (column) => {
     svg('path', { class: 'trace', d: line(column.view, (i) => 1 + (width - 2) * i / last, (v) => height - 2 - (height - 4) * (v - ys[0]) / (ys[1] - ys[0])) }));
 };
 
-// A place of the size of a plot: the list must not move under a click.
+// A placeholder of the size of a plot, so that the list does not move under a click.
 export const noPlot = (column) => element('p', { class: 'empty noplot' }, column?.plotted !== undefined && !column.view ? 'Reading …' : 'There is no plot of this column.');
 
 // The selected column over time, or over the rows if the times are not a column of numbers. The end of the training

@@ -2,7 +2,7 @@
 import { element } from './dom.js';
 import { exporting } from './export.js';
 
-// A table with its caption; `raw`, if given, are the rows that its button saves as CSV.
+// A table with its caption; if `raw` is given, its button saves these rows as CSV.
 export const table = (caption, heads, rows, raw) => {
   const shown = element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption },
     element('table', {}, element('caption', {}, caption),

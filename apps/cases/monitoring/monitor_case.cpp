@@ -84,7 +84,7 @@ Pointer place_of(const SeriesColumns& columns, const std::string& name) {
               error.reason() + " in " + error.path().filename().string());
 }
 
-/// A text without an incomplete last line: a line without newline is still being written.
+/// Removes an incomplete last line: a line without a newline is still being written.
 std::string complete_lines(std::string text) {
   text.resize(text.find_last_of('\n') + 1);  // npos + 1 is 0
   return text;
@@ -257,13 +257,14 @@ void read_learning(MonitorCaseFile& out) {
     if (stamp->has_zone && !out.time.has_zone)
       out.file.refuse(where,
                       "states a time zone, but the times of the series state none: write this date "
-                      "without a zone, as the times of the series");
+                      "without a time "
+                      "zone as well");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())
       out.file.refuse(where, "must be a number in " + out.time.unit + ", as the times are");
     hours = until.get<double>() * out.time.hours_per_unit;
-    // If rows are numbered tests, the given number is the last healthy test.
+    // If the rows are numbered tests, the given number is that of the last healthy test.
     if (out.tests && out.time.unit == "row") hours += 0.5;
   }
   const auto& times = out.series.hours;
@@ -286,7 +287,7 @@ double constant_of(const MonitorCaseFile& out, int feature) {
   return kNaN;
 }
 
-/// Faults of the series as complaints about the case; a constant covariate is a warning.
+/// Reports faults of the series as errors of the case, but a constant covariate as a warning.
 void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
   using Kind = SeriesFault::Kind;
   const Pointer tests =
@@ -344,8 +345,8 @@ void read_alarm(MonitorCaseFile& out) {
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
-    // A transient decays in hours, but rows have no times. It could explain damage in the first
-    // rows.
+    // No transients: they decay in hours, but rows have no times. They could explain early
+    // damage.
     options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");
@@ -358,8 +359,8 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.most_hinges = learning.value("hinges", 3);
   options.learning.hinges = options.learning.most_hinges > 0;
   options.learning.lag = learning.value("lag", true);
-  // Short chains disagree on many correlated covariates. For few rows, long chains take seconds
-  // only.
+  // With many correlated covariates, short chains do not agree. For few rows, long chains take
+  // seconds.
   constexpr long kFewEntries = 20'000;
   if (static_cast<long>(out.learning_rows) * out.series.feature_count() <= kFewEntries) {
     options.learning.engine_warmup = 8000;

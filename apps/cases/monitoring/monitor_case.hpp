@@ -1,4 +1,5 @@
-// A monitor case: a table of features and covariates, and a period with a healthy structure.
+// A monitor case: a table of features and covariates, and a period in which the structure is
+// healthy.
 #pragma once
 
 #include <cstdint>

@@ -26,7 +26,7 @@ struct ModesReading {
   std::uint64_t seed = 1;
   /// Folder that stores the identified modes of raw records for the next call; empty: not stored.
   std::filesystem::path kept = {};
-  /// True: if the last file cannot be read, it counts as incomplete, and the next call reads it
+  /// If true, a last file that cannot be read counts as incomplete, and the next call reads it
   /// again.
   bool following = false;
   std::function<void(double fraction)> progress = nullptr;
@@ -37,8 +37,8 @@ struct ModesReading {
 /// For a .json file, the result is this file.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
-/// The files that `names` specify, in this order. In the last part of a name, "*" matches any text
-/// and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
+/// The files that `names` specify, in this order. In the last component of a name, "*" matches any
+/// text and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
 [[nodiscard]] std::vector<std::filesystem::path> listed_files(
     const CaseFile& file, const Pointer& where, const std::vector<std::string>& names);
 

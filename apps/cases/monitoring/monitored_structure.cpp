@@ -17,7 +17,7 @@ using identification::DefectKind;
 const Pointer kExplanation("/explanation");
 constexpr double kMassShare = 0.05;  // default of largest added mass / mass of structure
 
-/// The case's structure and damage as a damage case, at the same places.
+/// Converts the structure and the damage of the case to a damage case with the same keys.
 CaseFile as_damage_case(const CaseFile& file) {
   CaseFile out = file;
   out.json = Json{{"kind", "damage"}};
@@ -43,8 +43,8 @@ double mass_of(const fem::Structure& structure) {
   return total;
 }
 
-/// An added mass as a kind of defect of a damage case, with its prior; null for structures of
-/// matrices, which have no place for a mass.
+/// An added mass as a kind of defect of a damage case, with its prior; null for structures given by
+/// matrices, which have no locations for a mass.
 Json added_mass(const CaseFile& file, const DamageCase& damage) {
   const AnyStructure structure = damage.solved_structure();
   Json prior;
@@ -127,7 +127,7 @@ void read_weights(const CaseFile& file, MonitoredStructure& out) {
   }
   if (std::ranges::find(causes.is_mass, false) == causes.is_mass.end())
     file.refuse(Pointer("/damage"),
-                "contains an added mass only, which is not damage: add a kind of damage");
+                "contains only an added mass, which is not damage: add a kind of damage");
   for (std::size_t k = 0; k < causes.share.size(); ++k)
     if (!(causes.share[k] > 0.0))
       file.refuse(out.parsed.kinds[k],

@@ -13,9 +13,9 @@ struct MonitoredStructure {
   /// The kinds of defect of the case. An added mass at any location is appended if no kind is an
   /// added mass and the structure has members or is a chain of masses.
   DamageCaseFile parsed;
-  std::vector<int> modes = {};         ///< elastic mode (from 0) of each feature
+  std::vector<int> modes = {};         ///< index (from 0) of the elastic mode of each feature
   std::vector<double> intact_hz = {};  ///< frequencies of these modes in the intact model
-  /// Prior weights of the causes, and the prior share of each kind of defect. The training sets the
+  /// Prior weights of the causes and of the kinds of defect. The training sets the
   /// standard deviations in `causes`.
   identification::monitoring::CauseOptions causes = {};
 };

@@ -9,8 +9,8 @@ struct MonitorCaseFile;
 /// than kLargestDeviation robust standard deviations from the median.
 void warn_of_error_codes(MonitorCaseFile& out);
 
-/// Warns of columns whose values are missing or equal in all last rows. These last rows must be
-/// more than in any gap, or in any sequence of equal values, of the training period.
+/// Warns of columns that end in a sequence of missing or of equal values. The sequence must be
+/// longer than every sequence of this type in the training period.
 void warn_of_dead_columns(MonitorCaseFile& out);
 
 }  // namespace wheeltap::apps

@@ -48,7 +48,7 @@ double member_length(const CaseFile& file, const AnyStructure& structure, const 
                   did_you_mean(file.json.at(at / "member").get<std::string>(), names));
 }
 
-/// The sensors that an entry represents: a grid along a member, several nodes, or one sensor.
+/// The sensors of one entry of the list: a grid along a member, several nodes, or one sensor.
 std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, const Pointer& at) {
   Json entry = file.json.at(at);
   for (const char* key : {"cost"}) entry.erase(key);
@@ -64,7 +64,7 @@ std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, co
       file.refuse(at / "every", "must be below the length, " + Json(length).dump() + " m");
     if (length / every > static_cast<double>(kMostCandidates))
       file.refuse(at / "every", "gives more than " + std::to_string(kMostCandidates) + " sensors");
-    // Only inner points, because the ends are nodes or supports.
+    // Excludes the ends, because they are nodes or supports.
     for (int i = 1; i * every < length * (1.0 - 1e-9); ++i) {
       // 0.3, not 0.30000000000000004
       entry["at"] = std::stod(base::significant(i * every, 12));
@@ -316,7 +316,7 @@ void take_layouts(const CaseFile& file, PlanCase& plan) {
       if (sensor < 0 || sensor >= candidates || std::ranges::find(layout, sensor) != layout.end())
         file.refuse(plan_key("layouts") / i / j, "must be the number of a candidate sensor, 0 to " +
                                                      std::to_string(candidates - 1) +
-                                                     ", used once");
+                                                     ", and occur once");
       layout.push_back(sensor);
     }
     std::ranges::sort(layout);

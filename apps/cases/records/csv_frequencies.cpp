@@ -41,7 +41,7 @@ class FrequencyText {
     refuse_line(text_.header_line(), 0, message);
   }
 
-  /// Index of the column with this header, name or 1-based number; empty if there is none.
+  /// Index of the column with this name or 1-based number; empty if no column has it.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const {
     for (std::size_t c = 0; c < headers().size(); ++c) {
       if (headers()[c].header == name || headers()[c].name == name) return c;
@@ -68,8 +68,8 @@ class FrequencyText {
                                   signals::Dimension::frequency);
   }
 
-  /// The cells of a row. Throws Failure if the row has fewer cells than the header, or, with
-  /// `exactly`, more.
+  /// The cells of a row. Throws Failure if the row has fewer cells than the header; with `exactly`,
+  /// also if it has more.
   [[nodiscard]] std::vector<std::string> cells(int row, std::size_t least, bool exactly) const {
     std::vector<std::string> found = text_.cells(row);
     if (found.size() < least || (exactly && found.size() > headers().size())) {
@@ -79,7 +79,7 @@ class FrequencyText {
     }
     return found;
   }
-  /// The number of a cell in Hz; NaN for an empty cell.
+  /// The value of a cell in Hz; NaN for an empty cell.
   [[nodiscard]] double frequency(int row, std::size_t column, const std::string& cell) const {
     if (cell.empty()) return kNaN;
     const double value = text_.number(cell).value_or(-1.0) * in_hz(column);
@@ -94,14 +94,14 @@ class FrequencyText {
     return frequency(row, column, cells(row, column + 1, false)[column]);
   }
 
-  /// Index of the column with the numbers of the modes; empty if there is none.
+  /// Index of the column with the mode numbers; empty if no column has them.
   [[nodiscard]] std::optional<std::size_t> mode_column() const {
     for (const char* const name : {"mode", "number"})
       for (std::size_t c = 0; c < headers().size(); ++c)
         if (in_lower_case(headers()[c].name) == name && headers()[c].unit.empty()) return c;
     return {};
   }
-  /// The number of the mode in a cell. Throws Failure for a cell that is not a whole number.
+  /// The mode number in a cell. Throws Failure for a cell that is not a whole number.
   [[nodiscard]] int mode(int row, std::size_t column) const {
     const std::string cell = cells(row, column + 1, false)[column];
     if (const auto found = whole_number(text_.number(cell).value_or(0.0), 1, kMostModes))
@@ -168,8 +168,8 @@ std::vector<std::size_t> frequency_columns(const FrequencyText& text) {
   return stated.empty() ? all : stated;
 }
 
-/// Rejects a further column that could hold the mode numbers: without them, the modes would be
-/// numbered by their rows.
+/// Rejects another column that could contain mode numbers, because the row numbers would replace
+/// them.
 void refuse_possible_modes(const FrequencyText& text, const std::vector<std::size_t>& used) {
   for (std::size_t c = 0; c < text.headers().size(); ++c) {
     const io::Column& column = text.headers()[c];
@@ -182,8 +182,8 @@ void refuse_possible_modes(const FrequencyText& text, const std::vector<std::siz
   }
 }
 
-/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if there is
-/// none.
+/// The unit of frequency in the header of a column: "f [kHz]", "frequency_hz". Empty if the header
+/// states none.
 std::string frequency_unit(const io::Column& column) {
   const auto is_frequency = [](const std::string& unit) {
     const auto found = signals::find_unit(unit);
@@ -196,8 +196,8 @@ std::string frequency_unit(const io::Column& column) {
   return last != column.name && is_frequency(unit) ? unit : "";
 }
 
-/// Rejects a file without a column "frequency". One column of frequencies is one mode per row; with
-/// several columns, a row is a test.
+/// Rejects a file without a column "frequency". A file with one column of frequencies has one mode
+/// per row; with several columns, one test per row.
 [[noreturn]] void refuse_names(const FrequencyText& text) {
   const auto modes = text.mode_column();
   const auto sd = text.find("sd");

@@ -32,9 +32,9 @@ struct FrequencyTable {
 /// increasing whole numbers. Without this column, the rows are modes 1, 2, ….
 ///
 /// Throws Failure (65), with line and column, for a cell that is not a positive finite number, for
-/// a missing row or column, and for mode numbers that do not increase. The same holds if the number
-/// of a mode is unclear: for an empty line between the rows, and for another column of increasing
-/// whole numbers without a unit. Throws io::FileError (corrupt) for an invalid table.
+/// a missing row or column, and for mode numbers that do not increase. Also throws Failure (65) if
+/// the number of a mode is unclear: for an empty line between the rows, and for another column of
+/// increasing whole numbers without a unit. Throws io::FileError (corrupt) for an invalid table.
 [[nodiscard]] FrequencyTable parse_frequency_csv(std::string bytes,
                                                  const std::filesystem::path& name,
                                                  const FrequencyCells& cells);

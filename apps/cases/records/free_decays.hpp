@@ -10,8 +10,8 @@
 
 namespace wheeltap::apps {
 
-/// Parses the list at `where` of [first, one past the last] sample of each free decay. Refuses a
-/// window that is empty or exceeds the `samples` of the record, and overlapping windows, whose
+/// Parses the list at `where`: for each free decay, the samples [first, one past the last]. Refuses
+/// a window that is empty or exceeds the `samples` of the record, and overlapping windows, whose
 /// samples would count twice.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> parse_decays(const CaseFile& file,
                                                                               const Pointer& where,

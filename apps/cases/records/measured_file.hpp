@@ -17,7 +17,7 @@ using signals::MeasuredTable;
 /// One sentence for each column that contains no numbers.
 [[nodiscard]] std::vector<std::string> left_out_in_words(const MeasuredTable& table);
 
-/// Sentences on the reading of a table, one per fact: layout, times, units, omitted columns.
+/// Sentences on the interpretation of a table, one per fact: layout, times, units, omitted columns.
 [[nodiscard]] std::vector<std::string> reading_in_words(const MeasuredTable& table);
 
 /// Faults of a channel; each text completes a sentence that begins with the channel's name.

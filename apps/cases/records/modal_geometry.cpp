@@ -164,7 +164,7 @@ double principal_angle(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
 Report modal_drawing(const Geometry& geometry, const ModesFile& modes) {
   const std::vector<MovedNode> moved = moved_nodes(geometry, modes.sensors);
   if (moved.empty()) return {};
-  // Points: all nodes at rest, then the moving nodes again, so that lines can show both.
+  // Points: all nodes undeformed, then the moving nodes again, so that lines can show both.
   Report points = Report::array(), lines = Report::array(), shapes = Report::array();
   std::map<std::string, std::size_t> rest, now;
   for (const auto& [name, at] : geometry.nodes) {
@@ -207,7 +207,7 @@ Report modal_drawing(const Geometry& geometry, const ModesFile& modes) {
            {{"points", points},
             {"lines", lines},
             {"modes", shapes},
-            {"as", "as measured; nodes without sensors are drawn at rest"}}}};
+            {"as", "as measured; nodes without sensors are drawn undeformed"}}}};
 }
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,5 @@
-// Sensor positions of a modal case, and measured mode shapes as motions of the geometry's nodes.
+// Sensor positions of a modal case, and measured mode shapes as displacements of the geometry's
+// nodes.
 #pragma once
 
 #include <array>

@@ -62,7 +62,7 @@ std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const Mod
   return out;
 }
 
-/// Parses "model_modes": the number of the structure's mode for each mode used.
+/// Parses "model_modes": for each measured mode that is used, the number of the model's mode.
 std::vector<int> model_modes(const CaseFile& file, const Pointer& at, std::size_t taken) {
   const Json& given = file.json.at(at);
   if (given.size() != taken)
@@ -164,7 +164,7 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
     for (std::size_t i = 0; i < taken.modes.size(); ++i) {
       const auto mode = static_cast<std::size_t>(taken.modes[i]);
       const int row = taken.numbers[i];
-      // A shape of merged set-ups has gaps if one set-up lacks the mode.
+      // A shape of merged set-ups lacks the sensors of a set-up that did not identify the mode.
       std::vector<Index> told, entries, imaginary;
       for (Index s = 0; s < sensors; ++s) {
         const Index channel = channels[static_cast<std::size_t>(s)];

@@ -21,10 +21,10 @@ struct TakenModes {
 };
 
 /// Reads the modes.json that "from" in the data block at `where` names. The key "modes" selects
-/// modes: a list of mode numbers, or the number of lowest modes. Without it, all modes that are not
-/// doubtful are used. Each mode keeps its number, or gets the number in "model_modes". Throws
-/// Failure (66) for an unreadable file. Throws Failure (65) for another type of file, for keys of
-/// the case that the file replaces, and for modes that the file does not contain.
+/// modes: a list of mode numbers, or the number of lowest modes. Without this key, all modes that
+/// are not doubtful are used. Each mode keeps its number, or gets the number in "model_modes".
+/// Throws Failure (66) for an unreadable file. Throws Failure (65) for another type of file, for
+/// keys of the case that the file replaces, and for modes that the file does not contain.
 [[nodiscard]] TakenModes take_modes(const CaseFile& file, const Pointer& where);
 
 /// Fills in frequencies and real shapes with their covariances, for the channels of `out.sensors`;

@@ -94,7 +94,7 @@ ModesFile numbered(ModesFile modes) {
   return modes;
 }
 
-/// Parses the mode numbers, which a file has after a user deleted modes by hand.
+/// Parses the mode numbers. A file has mode numbers if a user has deleted modes by hand.
 std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index count) {
   const Json& list = file.json.at(where);
   if (!list.is_array() || static_cast<Index>(list.size()) != count)

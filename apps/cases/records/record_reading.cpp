@@ -24,7 +24,7 @@ const char* name(TimeBasis basis) {
   return kNames.at(static_cast<std::size_t>(basis));
 }
 
-/// The place that names a column in the block of a record: in a channel, or in the block itself.
+/// The location in the block of a record that names a column: in a channel, or in the block itself.
 Pointer place_of(const CaseFile& file, const Pointer& block, const std::string& column) {
   const Json& b = file.json.at(block);
   if (b.contains("channels")) {

@@ -1,4 +1,4 @@
-// Layout of a record's file as given in the case, and sentences on the reading of the file.
+// Layout of a record's file as given in the case, and sentences on the interpretation of the file.
 #pragma once
 
 #include <string>
@@ -27,11 +27,13 @@ struct ChannelUse {
 [[noreturn]] void refuse_column(const CaseFile& file, const Pointer& block,
                                 const io::NoSuchColumn& error);
 
-/// A sentence on the layout that was found in a text file: "Columns separated by semicolons, …".
+/// A sentence on the layout that Wheeltap found in a text file: "Columns separated by semicolons,
+/// …".
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);
 [[nodiscard]] Report layout_json(const io::FoundLayout& layout);
 
-/// A sentence on the reading of the time column; empty for times in seconds with a uniform step.
+/// A sentence on the interpretation of the time column; empty for times in seconds with a uniform
+/// step.
 [[nodiscard]] std::string sampling_in_words(const signals::Sampling& sampling);
 /// A sentence on the jitter of time stamps; empty without jitter.
 [[nodiscard]] std::string jitter_in_words(const signals::Sampling& sampling);

@@ -69,7 +69,7 @@ RepeatedTests parse_repeats(const CaseFile& file, const Pointer& where, bool asc
   const Pointer at = where / "repeats";
   const Json& json = file.json.at(at);
   const Pointer place = json.is_object() ? at / "file" : at;
-  // The message on a rejected list states only the place, not the whole list.
+  // The message about a rejected list states only the location of the list, not its content.
   const auto refuse = [&](const std::string& message) {
     if (json.is_object()) file.refuse(place, message);
     throw Failure(Exit::bad_input, file.path.string() + ": " + at.to_string() + ": " + message);

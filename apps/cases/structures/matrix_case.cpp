@@ -21,7 +21,7 @@ namespace {
 
 const Pointer kMatrixStructure("/structure");
 
-/// Reads the matrix named at `where`; errors of the file refer to this place in the case.
+/// Reads the matrix named at `where`; errors in the file refer to this location in the case.
 io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& path,
                            const Pointer& where) {
   try {

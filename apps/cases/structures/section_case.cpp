@@ -68,7 +68,7 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   return fem::nested(rings);
 }
 
-/// Throws Failure for an error of fem::checked, with its place: "/beam/section/outline/3".
+/// Throws Failure for an error of fem::checked, with its location: "/beam/section/outline/3".
 [[noreturn]] void refuse_outline(const CaseFile& file, const Pointer& where, const Json& s,
                                  std::size_t main_regions, const fem::OutlineError& error) {
   using Part = fem::OutlinePlace::Part;

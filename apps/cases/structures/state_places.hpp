@@ -1,4 +1,4 @@
-// Where a case states its states of the structure.
+// Locations of the states of the structure in a case.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace wheeltap::apps {
 
-/// Those of /baseline/data and /data that are objects.
+/// Returns /baseline/data and /data; omits a location whose value is not an object.
 [[nodiscard]] std::vector<Pointer> state_blocks(const CaseFile& file);
 
-/// The places of the states in a block; without states, the place of the block itself.
+/// The locations of the states in a block of data; without states, the location of the block.
 [[nodiscard]] std::vector<Pointer> state_places(const CaseFile& file, const Pointer& block);
 
-/// The places of the values that the states give to the coefficient `name` ("known").
+/// The locations of the values that the states assign to the coefficient `name` (key "known").
 [[nodiscard]] std::vector<Pointer> known_places(const CaseFile& file, const std::string& name);
 
 }  // namespace wheeltap::apps

@@ -317,9 +317,9 @@ class MemberParser {
         const std::size_t axis = !space() ? 1 : key == "rx" ? 0 : key == "ry" ? 1 : 2;
         if (space() == (key == "rotation"))
           file_.refuse(here / key,
-                       space() ? "in a space model, an end rotates about the member's local axes: "
+                       space() ? "in dimension 3, an end rotates about the member's local axes: "
                                  "rx, ry, rz"
-                               : "in a plane model, an end has \"rotation\"");
+                               : "in dimension 2, an end has \"rotation\"");
         member.ends[end].rotation[axis] =
             parameters_.place(here / key, kNotNegative, [=](AnyStructure& s, double x) {
               std::get<fem::Structure>(s).members[index].ends[end].rotation[axis] = x;
@@ -364,8 +364,7 @@ class MemberParser {
       mass.mass = parameters_.place(where / "mass", kNotNegative,
                                     [=](AnyStructure& s, double x) { mass_at(s).mass = x; });
     if (j.contains("inertia") && j.at("inertia").is_array()) {
-      if (!space())
-        file_.refuse(where / "inertia", "in a plane model, must be one number, about z");
+      if (!space()) file_.refuse(where / "inertia", "in dimension 2, must be one number, about z");
       for (std::size_t k = 0; k < 3; ++k)
         mass.inertia[k] =
             parameters_.place(where / "inertia" / k, kNotNegative,

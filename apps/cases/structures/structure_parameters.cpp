@@ -49,7 +49,7 @@ Coefficient StructureParameters::coefficient(const Pointer& where, const Bounds&
   for (const Pointer& place : known)
     if (!is_inside(file_.json.at(place).get<double>()))
       file_.refuse(place, must + ": it is the value of " + where.to_string());
-  // The prior of a known coefficient is the range of its values.
+  // If states give the values of the coefficient, its prior is only the range of these values.
   if (known.empty() && prior.lower() < bounds.lower)
     refuse_prior("reaches down to " + plain_number(prior.lower()));
   if (known.empty() && prior.upper() > bounds.upper)

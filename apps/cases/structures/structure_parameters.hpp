@@ -42,8 +42,8 @@ class StructureParameters {
   /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
   /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// Parses a coefficient. The function `set`, which is called at once and at each change of the
-  /// parameter, stores the value in the structure.
+  /// Parses a coefficient. The function `set` stores the value in the structure. It is called
+  /// immediately and at each change of the parameter.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);
   /// Registers the function `set`, which is called whenever the parameter of the coefficient

@@ -20,8 +20,8 @@ using OutlineKeys = std::vector<std::string>;
 
 /// Axes count as principal if their product of inertia is below this fraction of the larger moment.
 constexpr double kPrincipal = 1e-6;
-/// Shear centres nearer to the centroid than this fraction of the radius of gyration coincide with
-/// it.
+/// A shear centre this close to the centroid counts as coincident (distance / radius of
+/// gyration).
 constexpr double kCentred = 1e-3;
 
 class SectionParser {
@@ -118,7 +118,7 @@ class SectionParser {
     if (s_.contains("second_moment")) {
       if (space_)
         file_.refuse(where_ / "second_moment",
-                     "in a space model, give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
+                     "in dimension 3, give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
       yy = take(where_ / "second_moment", kPositive);
     } else {
       yy = take(where_ / "second_moments" / "yy", kPositive);

@@ -1,4 +1,4 @@
-// Cross-section of a member of a plane or spatial structure: stiffnesses and area.
+// Cross-section of a member of a plane or three-dimensional structure: stiffnesses and area.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,7 @@ struct PieceSection {
   std::function<fem::MemberSection(std::span<const double>)> at;
   bool depends = false;                   ///< true if the section depends on a parameter
   double density_factor = 1.0;            ///< mass per length, divided by ρ A; 1 for one material
-  std::vector<std::string> remarks = {};  ///< sentences on neglected properties
+  std::vector<std::string> remarks = {};  ///< messages about neglected properties
 };
 
 /// Parses the section at `where`: a shape with dimensions, an outline, or stiffnesses. For shapes,

@@ -130,7 +130,7 @@ std::string article(const std::string& type) {
   return (std::string("aeio").find(type[0]) != std::string::npos ? "an " : "a ") + type;
 }
 
-/// Text on the valid values of a rule: the description of the schema, if there is one.
+/// Text on the valid values of a rule: the description in the schema, if the rule has one.
 std::string rule_in_words(const Json& rule) {
   if (rule.contains("description")) return rule["description"].get<std::string>();
   if (rule.contains("enum")) {
@@ -374,14 +374,14 @@ class Examination {
     return text + " (allowed here: " + listed(names) + ")" + (hint.empty() ? "" : "; " + hint);
   }
 
-  /// Text on the place of a key: "it belongs in /data", or the kinds of case that have the key.
+  /// Text on the location of a key: "it belongs in /data", or the kinds of case that have the key.
   std::string places_of(const std::string& key, const Pointer& parent) const {
     const auto found_in = [&](const std::vector<std::string>& kinds) {
       std::vector<KeyPlace> found;
       for (const KeyPlace& place : key_places(kinds))
         if (place.path.back() == key) found.push_back(place);
       std::ranges::stable_sort(found, {}, [&](const KeyPlace& place) {
-        // Nearest first: sort by the part that `parent` does not share, then by length.
+        // Nearest first: sort by the part of the path that differs from `parent`, then by length.
         const std::string here = parent.to_string();
         const auto same = std::ranges::mismatch(here, place.shown).in1 - here.begin();
         return std::pair(static_cast<std::ptrdiff_t>(place.path.size()) - (same > 1 ? 1 : 0),

@@ -48,7 +48,8 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
     fail("keys are separated by points: write --set " + with_points + "=" + value_text);
   }
   Json value = value_text;
-  // Text that is not JSON is a string. Json::accept builds no values, so that any depth is safe.
+  // Text that is not JSON is a string. Json::accept builds no values, so that deeply nested text is
+  // safe.
   if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
   std::size_t depth = 0;
 

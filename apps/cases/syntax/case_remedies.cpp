@@ -36,8 +36,8 @@ std::string prior_to_write(const CaseFile& file, const Pointer& where, const std
   return "; write " + text;
 }
 
-/// An upper bound that is within the bounds when written with few digits. An open bound is the
-/// number next to it: 0.999 stands for the bound of [0, 1).
+/// An upper bound for a prior, rounded to few digits within the allowed bounds. For an open bound,
+/// a slightly smaller number: 0.999 for [0, 1).
 double written_bound(double high, double low, double upper) {
   if (!std::isfinite(high) || std::strtod(pasted(high).c_str(), nullptr) <= upper) return high;
   constexpr double kShare = 1e-3;  // distance from an open bound
@@ -67,7 +67,7 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
     if (text.empty()) return text;
     return prior_to_write(file, where, "{\"" + family + "\": " + text + "}", lower, upper);
   };
-  // A normal density has a probability below 1e-8 beyond six standard deviations.
+  // Beyond six standard deviations, a normal distribution has a probability below 1e-8.
   constexpr double kFar = 6.0;
   const auto truncated = [&](double mean, double sd) {
     const double from = std::isfinite(low) ? low : mean - kFar * sd;

@@ -14,9 +14,9 @@ namespace wheeltap::apps {
                                             const std::vector<std::string>& names);
 
 /// Advice to truncate the prior at `where` to [lower, upper], e.g. "; write {"truncated_normal":
-/// [50, 10, 0, 110]}". Either bound may be infinite. The advised prior is within the bounds, also
-/// with the few digits of the advice. The result is empty if the prior is within the bounds, and if
-/// no prior of this kind is.
+/// [50, 10, 0, 110]}". Either bound may be infinite. The advised prior is within the bounds even
+/// after rounding to few digits. The result is empty if the prior is already within the bounds, or
+/// if no prior of its family can be.
 [[nodiscard]] std::string kept_within(const CaseFile& file, const Pointer& where, double lower,
                                       double upper);
 

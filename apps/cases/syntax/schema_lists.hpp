@@ -106,7 +106,7 @@ void add_defects(AnyJson& rules) {
 }
 
 /// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds to the
-/// description which interpolants need grids and which scattered runs. `AnyJson` is Json, or
+/// description which interpolants need grids and which accept other designs. `AnyJson` is Json, or
 /// ordered_json, which keeps the order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
@@ -120,7 +120,7 @@ void fill_lists(AnyJson& rules) {
     rules["description"] =
         rules["description"].template get<std::string>() +
         "; grids: " + identification::interpolant_names(Runs::grid) +
-        "; scattered runs: " + identification::interpolant_names(Runs::scattered);
+        "; space-filling designs: " + identification::interpolant_names(Runs::scattered);
   }
   for (auto& child : rules) {
     if (child.is_structured()) fill_lists(child);

@@ -16,8 +16,9 @@ namespace wheeltap::apps {
     const std::vector<identification::monitoring::ChartFinding>& charts);
 
 /// A list with name, threshold, alarms and first_alarm of each chart. If `monitor` has an alarm,
-/// the list also has alarms_before_onset and delay: the time from the median onset of the first
-/// alarm of `monitor` to the next alarm of the chart, in time units of the case (hours for dates).
+/// the list also has alarms_before_onset and delay. The delay is the time from the median onset of
+/// the first alarm of `monitor` to the next alarm of the chart, in time units of the case (hours
+/// for dates).
 [[nodiscard]] Report charts_json(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor,
     const std::vector<identification::monitoring::ChartFinding>& charts);

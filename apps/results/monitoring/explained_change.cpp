@@ -74,7 +74,7 @@ std::string between(const Report& interval, const std::string& unit) {
          at("q95") + (unit.empty() ? ")" : " " + unit + ")");
 }
 
-/// Sentence on place and severity of a kind of defect, if it is the cause.
+/// Sentence on location and severity of a kind of defect, if it is the cause.
 std::string defect_in_words(const Report& defect) {
   const Report& places = defect.at("places");
   if (places.empty()) return "";
@@ -123,7 +123,7 @@ void add_explanations(const MonitorCaseFile& parsed,
     monitor["probability_damage"] = monitor["probability_other"] = nullptr;
     return;
   }
-  // Probability that at least one change is a damage, and that at least one has another cause.
+  // Probability of at least one change caused by damage, and of at least one with another cause.
   double no_damage = 1.0, no_other = 1.0;
   for (std::size_t i = 0; i < explained.size(); ++i) {
     const double changed = monitor["alarms"][i]["probability_changed"].get<double>();

@@ -253,8 +253,8 @@ std::string shifts_in_words(const Report& alarm) {
   std::vector<std::pair<double, std::string>> shifts;
   for (const Report& f : alarm.at("features")) {
     const double shift = f.at("shift").get<double>(), sd = f.at("sd").get<double>();
-    // "probability_shifted" compares shifts of all features with a shift of one feature. Of
-    // several shifts, only those are reported whose 95 % interval excludes zero.
+    // "probability_shifted" compares shifts of all features with a shift of one feature. If several
+    // features shifted, only shifts whose 95 % interval excludes zero are reported.
     if (f.at("probability_shifted").get<double>() < 0.5 || std::abs(shift) < 1.96 * sd) continue;
     shifts.emplace_back(-std::abs(shift) / std::max(sd, 1e-300),
                         f.at("name").get<std::string>() + " by " +
@@ -264,7 +264,8 @@ std::string shifts_in_words(const Report& alarm) {
   std::ranges::sort(shifts);
   std::vector<std::string> words;
   for (const auto& [order, text] : shifts) words.push_back(text);
-  return words.empty() ? std::string("no feature with a certain shift") : in_words(words);
+  return words.empty() ? std::string("no feature whose shift differs significantly from zero")
+                       : in_words(words);
 }
 
 std::string false_alarms_in_words(const Report& monitor) {
@@ -283,11 +284,10 @@ std::string false_alarms_in_words(const Report& monitor) {
   if (used > model)
     return "False alarms at the threshold used, ln S = " + base::fixed(used, 1) + ": " +
            rate("stated") +
-           ", as stated, from replayed healthy rows. At the threshold of the "
-           "model, " +
+           ", as specified, from replayed healthy rows. At the threshold of the model, " +
            base::fixed(model, 1) + ", the replay gives " + replayed + ".";
   return "False alarms at the threshold of the model, ln S = " + base::fixed(model, 1) + ": " +
-         rate("stated") + ", as stated. Replayed healthy rows give " + replayed + ".";
+         rate("stated") + ", as specified. Replayed healthy rows give " + replayed + ".";
 }
 
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,

@@ -51,7 +51,7 @@ Report optional_number(const std::optional<double>& x) {
   return x ? Report(compact(*x)) : Report(nullptr);
 }
 
-/// Site and place, in the terms of the case.
+/// Site and location, in the terms of the case.
 Report place_report(const PlannedStructure& structure, const TestPlace& place) {
   const DefectKind& kind = structure.kinds()[index(place.kind)];
   Report out = {{"place", place.name}, {"kind", kind.name}};
@@ -92,7 +92,7 @@ Report resolution_report(const Confusion& confusion) {
   return out;
 }
 
-/// The location of a place on the drawing: [x, y, z]; null without a drawing.
+/// The coordinates of a location on the drawing: [x, y, z]; null without a drawing.
 Report drawn_place(const AnyStructure& structure, const DefectKind& kind, const TestPlace& place) {
   const SiteLine::Stretch& stretch = kind.line.stretches()[index(place.stretch)];
   if (std::holds_alternative<fem::LumpedChain>(structure)) {
@@ -313,7 +313,8 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   const PlanCase& plan = parsed.plan;
   const PlannedStructure structure(plan.damage_case, plan.structure);
   const ScoredDesign& best = findings.designs.front();
-  // The hardest detectable place or, if there is none, the place with the most detections.
+  // The location whose smallest detectable damage is largest; if no damage is detectable, the
+  // location with the most detections.
   const PlaceDetection* chosen = nullptr;
   for (const PlaceDetection& p : findings.places) {
     const auto rank = [](const PlaceDetection& x) {

@@ -65,7 +65,8 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
   return out.empty() ? "No candidate sensor or added mass distinguishes the locations." : out;
 }
 
-/// Sentence on the fewest sensors that lack less than `kWorth` of the information of all.
+/// Sentence on the fewest sensors that lose less than the fraction `kWorth` of the total
+/// information.
 std::string stopping_in_words(const Report& path) {
   constexpr double kWorth = 0.02;
   if (path.size() < 3) return {};
@@ -184,7 +185,7 @@ std::string check_sentence(const Report& plan) {
       " of them with damage, P(at least one damage) of the engine differs by " +
       significant(check.at("rms_probability_damaged").get<double>(), 2) +
       " (root mean square) from the approximation of the plan.";
-  // The error of fewer tests is too large for a correction.
+  // With fewer tests, the error is too large for a correction.
   constexpr int kFewestChecked = 20;
   if (check.at("damaged").get<int>() < kFewestChecked)
     return out + " These are too few tests to correct the probabilities of the plan: use --check " +

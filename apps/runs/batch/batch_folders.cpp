@@ -56,7 +56,8 @@ std::string BatchFolders::new_name(const fs::path& path) {
   std::string stem = path.stem().string();
   if (stem.empty() || stem == "." || stem == "..") stem = "case";
   if (taken_.insert(stem).second) return stem;
-  // Continue after the last number for this stem, because many cases may have the same name.
+  // Continue after the last number appended to this name, because many cases may have the same
+  // name.
   for (int& n = last_.try_emplace(stem, 1).first->second;;) {
     std::string name = stem + "-" + std::to_string(++n);
     if (taken_.insert(name).second) return name;

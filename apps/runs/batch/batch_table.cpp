@@ -11,8 +11,8 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Makes a cell harmless: spreadsheets evaluate cells with such a beginning as formulas, and names
-/// and messages may come from untrusted sources.
+/// Makes a cell safe: spreadsheets evaluate cells with these first characters as formulas, and
+/// names and messages may come from untrusted sources.
 std::string inert(const std::string& cell) {
   constexpr std::string_view kFormula = "=+-@\t\r";
   const bool formula = !cell.empty() && kFormula.find(cell[0]) != std::string_view::npos;

@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 /// before the case is parsed, because parsing creates the record.
 void require_room_for_truth(CaseFile& file, const CommonOptions& common);
 
-/// Returns the cost of a run of the case, the record included.
+/// Returns the cost of a run of the case, including the record.
 [[nodiscard]] RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options);
 

@@ -17,8 +17,8 @@ namespace wheeltap::apps {
 class SweepJournal {
  public:
   /// Opens or creates the journal of the sweep with the given identity. Without `resume`, the rows
-  /// of an earlier journal are discarded. Throws io::FileError: unwritable, also if the file is not
-  /// a journal; mismatch for the journal of another sweep.
+  /// of an earlier journal are discarded. Throws io::FileError: unwritable if the file cannot be
+  /// written or is not a journal; mismatch if it is the journal of another sweep.
   SweepJournal(std::filesystem::path path, std::string_view identity, bool resume);
   SweepJournal(const SweepJournal&) = delete;
   SweepJournal& operator=(const SweepJournal&) = delete;

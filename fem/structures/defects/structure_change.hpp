@@ -14,8 +14,8 @@ namespace wheeltap::fem {
 /// Changes that defects cause in a structure: low-rank terms, and scale factors of whole parts of
 /// K.
 struct StructureChange {
-  /// A stiffness reduction of a few strains e = Bu along one direction v, |v| = 1: Bᵀ B becomes Bᵀ
-  /// (I - (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
+  /// A stiffness reduction for the combination v · e of a few strains e = Bu, |v| = 1: Bᵀ B becomes
+  /// Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions v with common strains must be orthogonal.
   struct Softening {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
@@ -50,21 +50,21 @@ struct StructureChange {
   }
 };
 
-/// Thrown for a change after which no valid structure exists: it removes more mass than the
+/// Thrown for a change that leaves no valid structure: the change removes more mass than the
 /// structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
 /// Combines several softenings of the same strain into one softening, and several scalings of the
-/// same part into one scaling. The remaining shares q are multiplied.
+/// same part into one scaling. The remaining fractions q are multiplied.
 void compound(StructureChange& change);
 
 /// Applies the changes to the discretisation. The modes of the result are the reference for the
 /// reanalysis. The function eliminates the degrees of freedom that rigid springs restrain, and
-/// expresses `motions` in the remaining degrees of freedom. Throws std::invalid_argument like
-/// `StructureReanalysis::solve`, and ImpossibleChange if the change removes more mass than the
-/// structure has.
+/// expresses `motions` in the remaining degrees of freedom. Throws the exceptions of
+/// `StructureReanalysis::solve`: std::invalid_argument, and ImpossibleChange if the change removes
+/// more mass than the structure has.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change,
                                      std::span<SparseRow> motions = {});
 

@@ -10,16 +10,16 @@
 namespace wheeltap::fem {
 
 struct StructureDefects {
-  /// A stiffness reduction of one element. The element that contains `at` keeps the share 1 - r of
-  /// its stiffness in every strain.
+  /// A stiffness reduction of one element. The element that contains `at` keeps the fraction 1 - r
+  /// of its stiffness in every strain.
   struct ElementReduction {
     int member;
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// A stiffness reduction of a segment from `from` to `to` within the ends of the member. The
-  /// segment keeps the share 1 - r of its stiffness in every strain. Where two reductions overlap,
-  /// the share (1 - r₁)(1 - r₂) remains.
+  /// A stiffness reduction of the segment of a member from `from` to `to`. The segment keeps the
+  /// fraction 1 - r of its stiffness in every strain. Where two reductions overlap, the fraction (1
+  /// - r₁)(1 - r₂) remains.
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -34,8 +34,8 @@ struct StructureDefects {
   };
   /// A reduction of the rotational stiffness of a joint or support. If the joint has springs
   /// (member ends with a finite stiffness, rotational springs to ground), each spring keeps the
-  /// share 1 - r of its stiffness. Otherwise every rigidly joined member end gets the fixity 1 - r.
-  /// The end then rotates relative to the joint by r / (1 - r) · L / (3 E I) per unit of moment
+  /// fraction 1 - r of its stiffness. Without springs, every rigidly joined member end gets the
+  /// fixity 1 - r and rotates relative to the joint by r / (1 - r) · L / (3 E I) per unit of moment
   /// (Monforton & Wu 1963).
   struct LooseJoint {
     int node;
@@ -63,7 +63,7 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// Computes the changes of the matrices that the defects cause. Reductions, cracks and loose ends
+/// Computes the changes of the matrices that the defects cause. Reductions, cracks and loose joints
 /// add flexibility to an element: for the stresses t, the strains are (I + ΔF) t. The bending
 /// moment M(ξ) = v(ξ) · t follows from the constant moment and the constant shear force of the
 /// element,
@@ -72,7 +72,7 @@ struct StructureDefects {
 ///
 /// A crack of compliance c at ξ adds c v vᵀ. A segment of reduced stiffness adds r/(1 - r) ∫ v vᵀ
 /// dx / EI and the corresponding shear flexibility. The eigenvectors of I + ΔF are the directions
-/// of StructureChange::Softening; its inverse eigenvalues are the remaining shares.
+/// of StructureChange::Softening; the reciprocals of its eigenvalues are the remaining fractions.
 ///
 /// The rotation θ = c v · t of a hinge also moves the mass of the element by g(x) θ. The function g
 /// is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p · Bu, the
@@ -80,7 +80,7 @@ struct StructureDefects {
 /// sum of a positive and a negative mass.
 ///
 /// The defects are added to the initial change `change`. If several softenings act on the same
-/// strain, their remaining shares are multiplied. Throws std::invalid_argument for locations
+/// strain, their remaining fractions are multiplied. Throws std::invalid_argument for locations
 /// outside a member and values out of range.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
                                         StructureChange change = {});

@@ -50,15 +50,15 @@ struct ParametricModesOptions {
 ///
 /// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
 /// second bound of this error is η²/gap (Temple and Kato), where gap is the relative distance to
-/// the rest of the spectrum. Modes whose relative eigenvalue spacing is below `kCluster` share the
+/// the rest of the spectrum. Modes whose relative eigenvalue spacing is below `kCluster` have the
 /// bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are
 /// rigid-body motions. The sine of the angle between a computed and the true shape is at most
 /// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
 ///
-/// The error bounds prove that a mode lies near each result. The error bounds do not prove that no
-/// mode is missing. Sturm counts check for missing modes at every training point during the
-/// training. Later solutions in a basis are not checked for missing modes. Each solution from
-/// sparse matrices is checked in this way. Degrees of freedom without mass need no special
+/// The error bounds prove that an exact eigenvalue lies near each result. The bounds do not prove
+/// that no mode is missing. Sturm counts check for missing modes at every training point during the
+/// training. Later solutions in a basis are not checked for missing modes. Every solution from
+/// sparse matrices is checked by a Sturm count. Degrees of freedom without mass need no special
 /// treatment, because V includes their static response.
 ///
 /// The object is immutable after construction; each thread needs a separate workspace.
@@ -99,11 +99,11 @@ class ParametricModes {
   /// no valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative spacing of
-  /// eigenvalues is below 1e-6, the derivatives of these shapes exclude the rotation within their
-  /// subspace, which is indeterminate. If the full problem was solved, the derivatives are those of
-  /// the basis. Returns false without derivatives if the matrices are not affine in θ or the faster
-  /// solution failed.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes whose relative
+  /// eigenvalue spacing is below 1e-6, the derivatives of shapes exclude the indeterminate rotation
+  /// within their subspace. If the full problem was solved, the derivatives are computed in the
+  /// basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
+  /// solution by the basis or by sparse matrices failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
@@ -111,7 +111,7 @@ class ParametricModes {
   struct Training {
     int basis = 0;          ///< number of columns of the basis; for a complete basis, the number of
                             ///< degrees of freedom
-    bool complete = false;  ///< true without reduction: the basis is complete or not used
+    bool complete = false;  ///< true if the basis is complete or not used
     int points = 0;         ///< number of training points with a valid structure
     int solved = 0;         ///< number of full problems solved to build the basis
     double largest_bound = 0.0;  ///< largest error bound of an eigenvalue over the training set

@@ -22,9 +22,9 @@ struct StructureFamily {
   std::function<std::vector<double>(std::span<const double>)> scales = {};
 };
 
-/// The decomposition K(θ) = Σ_t q_t(θ) K_t, with q_t(θ₀) = 1, and M(θ). Strains that keep their
-/// direction and whose stiffness changes by the same factor form one term. If K is given as
-/// matrices, each part of K is a term. A term may have any rank.
+/// The decomposition K(θ) = Σ_t q_t(θ) K_t, with q_t(θ₀) = 1, and M(θ). Strains form one term if
+/// their directions do not depend on θ and their stiffnesses change by the same factor. If K is
+/// given as matrices, each part of K is a term. A term may have any rank.
 ///
 /// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
 /// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
@@ -72,7 +72,7 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms that are given as matrices (parts of K). These terms come last.
+  /// The number of terms given as matrices (parts of K); the terms given as matrices come last.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
   /// The columns C_t of all low-rank terms, one column per rank; empty if a term is not positive

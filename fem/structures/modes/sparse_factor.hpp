@@ -15,8 +15,8 @@ namespace wheeltap::fem {
 /// updates of a factorisation. The order of the unknowns keeps L sparse (approximate minimum
 /// degree; Amestoy, Davis & Duff 1996). The object is immutable after construction.
 ///
-/// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w is
-/// at i W + w, so that one pass over the pattern treats W matrices. All positions are known in
+/// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w has
+/// index i W + w, so that one pass over the pattern treats all W. All positions are computed in
 /// advance. For a small structure, a search for positions would take more time than the arithmetic.
 class SparseFactor {
  public:
@@ -36,12 +36,12 @@ class SparseFactor {
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
   /// The diagonal, and the entries below the diagonal, column by column in the pattern of L. Before
-  /// `factorise`, they are entries of A; afterwards, entries of D and L.
+  /// `factorise`, `Values` holds entries of A; afterwards, entries of D and L.
   struct Values {
     std::vector<double> diagonal, lower;
   };
-  /// The index in `lower` of the entry of L at two different positions. Throws std::out_of_range if
-  /// L has no such entry.
+  /// The index in `lower` of the entry of L with these two different positions as row and column.
+  /// Throws std::out_of_range if L has no such entry.
   [[nodiscard]] std::size_t index(std::size_t a, std::size_t b) const;
   /// The row and the column of an entry of `lower`.
   [[nodiscard]] std::size_t row(std::size_t index) const { return rows_[index]; }

@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code. Otherwise the linker
-// could select a library function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: from such code, the
+// linker could select a function compiled for AVX-512 and use it on every processor.
 
 /// Largest number of columns that one step of a factorisation processes together.
 inline constexpr std::size_t kMostColumns = 4;
@@ -17,7 +17,7 @@ struct Run {
   std::uint32_t first, length;
 };
 
-/// Consecutive columns of L with entries in the same rows below the group. The entries of such a
+/// Consecutive columns of L with entries in the same rows below the group. The entries of a column
 /// group form a dense block.
 struct ColumnGroup {
   std::uint32_t first, columns;  ///< the first column, and the number of columns
@@ -38,7 +38,7 @@ struct SparsePattern {
 };
 
 /// Functions compiled for one instruction set. The arrays hold 1 or 4 matrices or vectors together:
-/// entry i of matrix w is at i W + w.
+/// entry i of matrix w has the index i W + w.
 struct SparseKernel {
   const char* name;
   void (*factorise)(const SparsePattern&, double* diagonal, double* lower);

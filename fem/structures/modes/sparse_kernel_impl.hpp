@@ -92,8 +92,8 @@ inline void eliminate(double* diagonal, double* at, std::size_t j, std::size_t r
   }
 }
 
-/// Eliminates the G columns of a group from all later columns. Every entry receives the products of
-/// the columns in ascending order, so that the grouping does not change the result.
+/// Eliminates the G columns of a group from all later columns. The products are subtracted from an
+/// entry in ascending order of columns, so that the grouping does not change the result.
 template <std::size_t W, std::size_t G>
 void eliminate_group(const SparsePattern& pattern, const ColumnGroup& group, double* diagonal,
                      double* lower) {

@@ -1,5 +1,5 @@
-// The lowest modes of a structure whose matrices are affine in its parameters, from sparse
-// matrices.
+// Computation of the lowest modes from sparse matrices, for a structure whose matrices are affine
+// in its parameters.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,8 @@ class SparseModes {
              Eigen::MatrixXd& shapes) const;
 
   /// Computes the derivatives ∂λ/∂θ (modes × parameters) and ∂shapes/∂θ_j (motions × modes, one
-  /// matrix per parameter) at the θ of the last successful `solve`. They exclude rotations among
-  /// modes whose relative spacing is below `twin`.
+  /// matrix per parameter) at the θ of the last successful `solve`. The derivatives of shapes
+  /// exclude rotations within the subspace of modes whose relative spacing is below `twin`.
   bool differentiate(Workspace& ws, double twin, Eigen::MatrixXd& eigenvalues,
                      std::vector<Eigen::MatrixXd>& shapes) const;
 
@@ -101,7 +101,7 @@ class SparseModes {
   std::vector<Entries> terms_, mass_slopes_;
   Entries mass_;
   std::vector<std::size_t> used_;                   // entries of `lower` that are not fill-in
-  Columns stiffness_columns_, mass_columns_;        // entries that are not zero at every θ
+  Columns stiffness_columns_, mass_columns_;        // entries that are nonzero for some θ
   std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in each row and column
   std::vector<SparseRow> motions_;                  // in the order of the factor
   std::vector<SparseRow> strains_;                  // in the order of the factor

@@ -12,7 +12,7 @@ namespace wheeltap::fem {
 struct StructureModes {
   Eigen::VectorXd frequencies_hz;  ///< ascending; exactly 0 for rigid-body modes
   Eigen::VectorXd eigenvalues;     ///< ω² [rad²/s²]
-  /// Mode shapes, n × modes. Shapes are mass-normalised, φᵀ M φ = 1, and the largest motion is
+  /// Mode shapes, n × modes. Shapes are mass-normalised, φᵀ M φ = 1, and the largest entry is
   /// positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
@@ -40,8 +40,8 @@ struct StructureModes {
 ///
 /// Throws std::invalid_argument if `modes` exceeds the number of modes of the structure. Throws
 /// InvalidStructure if axial forces exceed the buckling load, and for a mechanism; the message
-/// names it. A mechanism is a motion with mass but without stiffness, or a degree of freedom with
-/// neither stiffness nor mass.
+/// describes the mechanism. A mechanism is a motion with mass but without stiffness, or a degree of
+/// freedom with neither stiffness nor mass.
 [[nodiscard]] StructureModes structure_modes(const Discretisation& d, int modes);
 
 /// Returns the number of eigenvalues of K φ = λ M φ below σ, from the signs of D in K - σ M = L D

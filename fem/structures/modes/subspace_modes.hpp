@@ -13,10 +13,10 @@ namespace wheeltap::fem {
 ///
 /// until the relative change of all requested eigenvalues is below `tolerance`. Each iteration
 /// multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)², where λ_next is
-/// the lowest eigenvalue outside the block. The block has twice as many vectors as there are
-/// requested modes, and at least 8 more. The shift σ is 0 unless the structure has rigid-body
-/// motions. Up to `kDense` degrees of freedom, a dense solver computes the modes without iteration.
-/// Degrees of freedom without mass are allowed.
+/// the lowest eigenvalue outside the block. For n requested modes, the block has max(2 n, n + 8)
+/// vectors. The shift σ is 0 unless the structure has rigid-body motions. Up to `kDense` degrees of
+/// freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
+/// are allowed.
 ///
 /// This class does not check whether a mode is missing; `eigenvalues_below` does. The object is
 /// immutable after construction, and the results depend only on the arguments.

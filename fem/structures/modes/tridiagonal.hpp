@@ -5,9 +5,9 @@
 
 namespace wheeltap::fem {
 
-/// Computes the eigenvalues of the symmetric tridiagonal matrix T with this diagonal (n >= 1
-/// entries) and the n - 1 entries `below` it, ascending, and the last component of each unit
-/// eigenvector:
+/// Computes the eigenvalues (ascending) of a symmetric tridiagonal matrix T, and the last
+/// component of each unit eigenvector. T has this diagonal (n >= 1 entries) and the n - 1 entries
+/// `below` it:
 ///
 ///   T q_i = values_i q_i,   last_i = e_nᵀ q_i (up to the sign).
 ///

@@ -22,7 +22,7 @@ class ChangeColumns {
   [[nodiscard]] int count() const {
     return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
   }
-  /// Writes to `out` the component of a motion in each kept mode, then in each residual mode.
+  /// Writes to `out` the displacement row · φ for each kept mode φ, then for each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
   /// Computes an upper bound of the relative error of a root. The root of the structure with
   /// residual modes exceeds the root of the whole structure by at most this relative difference; ∞

@@ -18,8 +18,8 @@ namespace wheeltap::fem::detail {
 /// at most intact eigenvalue i + n. Up to the largest limit, S is computed by a short sum over the
 /// near modes; above it, by the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
-/// The value λ that represents a massless motion, divided by the lowest elastic eigenvalue. Only
-/// the static part of such a motion affects results.
+/// The eigenvalue λ assigned to a massless displacement vector ψ (M ψ = 0), divided by the lowest
+/// elastic eigenvalue. Only the static response in ψ affects results.
 inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
@@ -34,8 +34,8 @@ struct IntactStructure {
   std::vector<double> dof_rows;                          // n × stride
   std::vector<double> strain_rows;                       // strains × stride
   Eigen::MatrixXd self_stresses;  // strains × strains; only if all modes are kept
-  bool compressed = false;        // true if geometric stiffness reduces the stiffness of the
-                                  // strains
+  bool compressed = false;        // true if the geometric stiffness of a compressed member reduces
+                                  // K
   std::vector<Window> windows;    // one window per entry of kLifting, and one for larger numbers
   std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes that are not kept
   double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
@@ -48,7 +48,7 @@ struct IntactStructure {
     const auto at = std::ranges::lower_bound(kLifting, lifting);
     return windows[static_cast<std::size_t>(at - kLifting.begin())];
   }
-  /// Writes the component of a motion in each mode to `out` (`stride` numbers).
+  /// Writes the displacement row · φ for each mode φ to `out` (`stride` numbers).
   void motion(const SparseRow& row, double* out) const;
 
  private:

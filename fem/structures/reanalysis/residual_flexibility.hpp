@@ -13,16 +13,16 @@
 
 namespace wheeltap::fem {
 
-/// For p kept modes and any linear forms C of the motion, the residual flexibility is the sum over
-/// the other modes (for a free structure, on the complement of its rigid motions),
+/// For p kept modes and any linear forms C of the displacements, the residual flexibility is the
+/// sum over the other modes (for a free structure, on the complement of its rigid motions),
 ///
 ///   Cᵀ (K - λ M)⁻¹ C - Σ_{j <= p} c_j c_jᵀ / (λ_j - λ) = R₀ + λ R₁ + λ² R₂ + λ³ R₃ + …,
 ///   R_n = Σ_{j > p} c_j c_jᵀ / λ_j^(n+1).
 ///
 /// Linear forms are sums of *basic* forms: the strains and the degrees of freedom. With P = I - Φ
 /// Φᵀ M, which removes the kept modes, and D = P K⁻¹ Pᵀ, R_n = aᵀ (D M)ⁿ D b. A basic form is
-/// equivalent to motions l_n of its part of the structure and forces r_n on the edge of this part
-/// (`StaticCondensation`). Because D K = P,
+/// equivalent to displacements l_n of its part of the structure and forces r_n on the edge of this
+/// part (`StaticCondensation`). Because D K = P,
 ///
 ///   (D M)ⁿ D a = P l_n + Σ_{i <= n} (D M)ⁱ D E r_{n-i},
 ///
@@ -32,14 +32,14 @@ namespace wheeltap::fem {
 ///   R_n = f_Iᵀ l_n' - Σ_{j <= p} λ_j α_0j α_nj' - r_0ᵀ Φ_E α_n'
 ///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}'.
 ///
-/// The first term is present only if both forms belong to the same part; primes mark the second
-/// form. Only Q_n requires solutions of the whole structure. The large contributions to Q_n are
-/// subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of kBatch
-/// degrees of freedom. If the boundary is small, the constructor computes all batches; otherwise, a
-/// batch is computed when it is first requested.
+/// The first term is present only if both forms belong to the same part. A prime marks quantities
+/// of the second form. Only Q_n requires solutions of the whole structure. The large contributions
+/// to Q_n are subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of
+/// kBatch degrees of freedom. If the boundary is small, the constructor computes all batches;
+/// otherwise, a batch is computed when it is first requested.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
-/// cache holds `memory` bytes and removes the least recently used values.
+/// cache holds at most `memory` bytes and removes the least recently used values.
 class ResidualFlexibility {
  public:
   /// The moments R₀ … R₃ of two forms. The unit of R₀ is N⁻¹ times the units of the forms; each
@@ -77,9 +77,9 @@ class ResidualFlexibility {
 ///   [R₀ R₁; R₁ R₂] y = θ [R₁ R₂; R₂ R₃] y.
 ///
 /// The residual modes and the kept modes together represent a constrained structure. The
-/// frequencies of the constrained structure are never below those of the whole structure, also if
-/// the same changes act on the forms of both. (The method is block Gauss quadrature of the sum over
-/// the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
+/// frequencies of the constrained structure are never below those of the whole structure, even
+/// after the same changes of both. (The method is block Gauss quadrature of the sum over the other
+/// modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
 struct ResidualModes {
   Eigen::VectorXd eigenvalues;  ///< θ, ascending
   Eigen::MatrixXd forms;        ///< m × modes: values of the forms in the mass-normalised modes

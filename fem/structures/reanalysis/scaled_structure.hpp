@@ -12,20 +12,20 @@
 
 namespace wheeltap::fem {
 
-/// With the scale factors s of the stiffness and m of the mass of the whole structure, strains b
-/// and motions r,
+/// With the scale factors s of the stiffness and m of the mass of the whole structure, strain
+/// vectors b and displacement vectors r,
 ///
 ///   K(θ) = s(θ) (K₀ + Σ_c (q_c(θ) / s(θ) - 1) b_c b_cᵀ),
 ///   M(θ) = m(θ) (M₀ + Σ_i μ_i(θ) / m(θ) r_i r_iᵀ).
 ///
 /// A reanalysis of the base structure (K₀, M₀) therefore gives the modes at any θ. The sums are a
-/// `StructureChange`. Eigenvalues are multiplied by s/m, and mass-normalised
-/// shapes by 1/√m. For example, Young's modulus and density of all members are scale factors. A
-/// spring adds one strain, and a point mass adds one motion per direction. s and m, all q_c and all
+/// `StructureChange`. Eigenvalues are multiplied by s/m, and mass-normalised shapes by 1/√m. For
+/// example, Young's modulus and density of all members are scale factors. A spring adds one strain
+/// vector, and a point mass adds one displacement vector per direction. s and m, all q_c and all
 /// μ_i are affine in θ, and the decomposition is exact within 1e-9.
 class ScaledStructure {
  public:
-  /// Largest total number of strains and motions. For larger numbers, other methods are faster.
+  /// Largest total number of vectors b_c and r_i. For larger numbers, other methods are faster.
   static constexpr int kMostColumns = 16;
 
   /// Returns std::nullopt if the family does not have this form or needs more than kMostColumns.
@@ -38,7 +38,7 @@ class ScaledStructure {
   /// The parameters θ of the base structure, at which each point mass has its smallest value among
   /// all samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
-  /// Total number of strains and motions; 0: only the scale factors depend on θ.
+  /// Total number of vectors b_c and r_i; 0: only the scale factors depend on θ.
   [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }
 
   struct Scales {
@@ -50,7 +50,7 @@ class ScaledStructure {
   enum class Outcome {
     possible,
     impossible,   ///< no valid structure exists at θ
-    unsupported,  ///< a crack or partial reduction in a strain that depends on θ
+    unsupported,  ///< a crack or partial reduction acts on a strain that depends on θ
   };
   /// Replaces a change of the structure at θ by the corresponding change of the base structure.
   Outcome transform(std::span<const double> theta, const Scales& scales,

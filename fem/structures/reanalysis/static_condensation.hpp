@@ -1,5 +1,5 @@
-// Partition of a structure into small parts and the boundary between the parts. A load on one part
-// is equivalent to a motion of the interior of the part and forces on the edge of the part.
+// Partition of a structure into small parts (substructures) and the boundary between them. A load
+// on one part is equivalent to displacements of the interior of the part and forces on its edge.
 #pragma once
 
 #include <array>
@@ -17,19 +17,19 @@ namespace wheeltap::fem {
 ///   l₀ = K_II⁻¹ f_I,            r₀ = f_E - K_EI l₀,
 ///   l_n = K_II⁻¹ M_II l_{n-1},  r_n = M_EI l_{n-1} - K_EI l_n,
 ///
-/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The motions l are nonzero only in the
-/// interior, and the forces r act only on the edge (static condensation; Guyan 1965, AIAA J.
+/// so that f = K l₀ + r₀ and M l_{n-1} = K l_n + r_n exactly. The displacements l are nonzero only
+/// in the interior, and the forces r act only on the edge (static condensation; Guyan 1965, AIAA J.
 /// 3:380). K_II and K l are summed from the strains in extended precision.
 ///
 /// Parts are the interiors of members: degrees of freedom that are coupled with at most two ends. A
 /// part is halved along the member until it has at most `kLargest` degrees of freedom and all its
-/// eigenvalues with fixed edge lie above `stiffer_than`. The motions l_n grow with the inverse of
-/// these eigenvalues, and large motions l_n would cause cancellation. All other degrees of freedom
-/// form the boundary, including those that hold a free structure.
+/// eigenvalues with fixed edge lie above `stiffer_than`. The displacements l_n grow with the
+/// inverse of these eigenvalues, and large l_n would cause cancellation. All other degrees of
+/// freedom, and the `holding_dofs` of a free structure, form the boundary.
 class StaticCondensation {
  public:
   static constexpr int kLargest = 36;
-  /// Number of motions l_n and of forces r_n: n = 0 … 3.
+  /// Number of displacement vectors l_n and of force vectors r_n: n = 0 … 3.
   static constexpr int kTerms = 4;
 
   /// Divides a structure into parts and a boundary. `stiffer_than` [rad²/s²] must be finite.

@@ -11,12 +11,12 @@ namespace wheeltap::fem {
 
 /// The method is that of `Reanalysis` for beams. If the columns of C span the changes, the
 /// eigenvalues are the roots of a small secular problem. The kernels of the beam reanalysis
-/// evaluate the secular function, and its inertia counts the eigenvalues.
+/// evaluate the secular function, whose inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, and a spring is a column r with Γ = -k. An added
-/// mass has Γ⁻¹ = 1/(λ μ). The added mass is represented by a mass μ that floats freely beside the
-/// structure (a mode at λ = 0 with motion 1/√μ) and a rigid link to the motion r. The floating mass
-/// adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
+/// mass has Γ⁻¹ = 1/(λ μ). An added mass is represented by a mass μ that floats freely beside the
+/// structure (a mode at λ = 0 with displacement 1/√μ) and by a rigid link to r · u. The floating
+/// mass adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
 /// floating mass that enters the eigenvalue count with the opposite sign.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
@@ -24,11 +24,11 @@ namespace wheeltap::fem {
 /// (tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// For larger structures, the lowest p modes are kept. Two further modes per column
-/// (`ResidualModes`) represent the residual flexibility for the columns up to λ³. The computed
-/// frequencies are those of a constrained structure, so they are not below the true frequencies.
-/// The error bound follows from an eigenvalue count with S minus the largest possible contribution
-/// of the omitted modes. If it exceeds 1e-6, the full eigenvalue problem of the changed structure
-/// is solved. Mode shapes remain those of the constrained structure.
+/// (`ResidualModes`) represent the residual flexibility for the columns up to the term in λ³. The
+/// computed frequencies are those of a constrained structure, so they are not below the true
+/// frequencies. The error bound follows from an eigenvalue count with S minus the largest possible
+/// contribution of the omitted modes. If the bound exceeds 1e-6, the full eigenvalue problem of the
+/// changed structure is solved. Mode shapes remain those of the constrained structure.
 ///
 /// Any number of threads may share the object; each thread needs a separate workspace.
 class StructureReanalysis {
@@ -37,8 +37,8 @@ class StructureReanalysis {
 
   static constexpr int kAllModes = 1500;
   /// Largest size of the cache of residual flexibilities [bytes]. The cache holds four vectors of
-  /// the structure's size for each requested strain or motion. The least recently used vectors are
-  /// removed first.
+  /// the structure's size for each requested strain or displacement. The least recently used
+  /// vectors are removed first.
   static constexpr std::size_t kResidualMemory = std::size_t{2} << 30;
   /// Returns the number of kept modes for a structure with `available` modes and `wanted` requested
   /// modes.

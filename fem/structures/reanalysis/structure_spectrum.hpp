@@ -12,13 +12,13 @@ struct StructureSpectrum {
   Eigen::VectorXd eigenvalues;  ///< ascending; exactly 0 for rigid-body modes
   Matrix shapes;                ///< n × modes
   int rigid_body_modes = 0;
-  Matrix massless = {};  ///< n × massless motions, M ψ = 0, ψᵀ K ψ = 1: static response only
+  Matrix massless = {};  ///< n × massless vectors ψ, M ψ = 0, ψᵀ K ψ = 1: static response
 };
 
 /// Computes all modes in O(n³) operations from M φ = μ (K + u M) φ; the largest μ belong to the
 /// lowest modes. The computation uses long double up to `kWideSpectrum` degrees of freedom. For
 /// larger structures, it uses double and refines the `refined` lowest modes like `structure_modes`.
-/// Massless motions are condensed exactly. Throws the exceptions of `structure_modes`.
+/// Massless displacements are condensed exactly. Throws the exceptions of `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);
 

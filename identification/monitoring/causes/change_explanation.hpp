@@ -10,8 +10,8 @@
 // including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
 // mixture of normal densities. The integrals therefore have a closed form. "Other" has the equally
 // probable sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from that of the nearest damage,
-// in standard deviations of the shift. Without this cause, a shift far from that of every damage
-// would count as damage whenever the remaining causes were less probable.
+// in standard deviations of the shift. Without this cause, a shift unlike the shift of any damage
+// would count as damage if the other causes were less probable than damage.
 #pragma once
 
 #include "identification/monitoring/causes/defect_shifts.hpp"
@@ -27,10 +27,10 @@ struct CauseWeights {
 struct CauseOptions {
   CauseWeights weights = {};
   std::vector<bool> is_mass = {};  ///< one per kind; true: an added mass, false: damage
-  /// Prior share of each kind among the kinds of damage, or among the kinds of added mass.
+  /// Prior weight of each kind among the kinds of damage, or among the kinds of added mass.
   std::vector<double> share = {};
   Eigen::VectorXd residual_sd = {};   ///< p
-  Eigen::VectorXd covariate_sd = {};  ///< c entries, in the training period; 0 if not used
+  Eigen::VectorXd covariate_sd = {};  ///< of c covariates in the training period; 0 if not used
 };
 
 /// Quantiles of a posterior distribution.
@@ -38,7 +38,7 @@ struct CentralInterval {
   double q5 = 0.0, q50 = 0.0, q95 = 0.0;
 };
 
-/// A part of the line of possible sites of a defect kind, for example a structural member.
+/// A part of the line on which a defect kind is possible, for example a structural member.
 struct ExplainedPlace {
   int stretch = 0;
   double probability = 0.0;  ///< probability of the part, given the kind

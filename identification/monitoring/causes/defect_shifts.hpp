@@ -3,8 +3,8 @@
 //   δ_j(x, r) = ln f_j(x, r) - ln f_j(intact)
 //
 // f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
-// x and all severities r. It stores the shifts at nodes. All intervals between nodes are equally
-// probable a priori; inside an interval, shifts are interpolated linearly.
+// x and all severities r. The path stores the shifts at nodes. All intervals between nodes are
+// equally probable a priori; inside an interval, shifts are interpolated linearly.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ struct DefectPath {
   double log_prior = 0.0;       ///< ln P(location | one defect of this kind)
   /// Nodes, ascending; a single node if the severity is known
   std::vector<double> severities = {};
-  Eigen::MatrixXd shifts = {};  ///< p x nodes; NaN: an impossible structure
+  Eigen::MatrixXd shifts = {};  ///< shifts (p x nodes); NaN: an impossible structure
 };
 
 /// All paths of all kinds of defect in a case. `modes` gives the elastic mode (from 0) of each of

@@ -7,8 +7,8 @@
 // Candidates are stored in tiles of kTile. A tile is a list of rows of kTile numbers; the layout
 // gives the first row of each quantity. Covariances hold the lower triangle, row by row. If one
 // feature shifts alone, its shift has the precision q = 1/(prior variance) + `precision` and the
-// mean `information`/q; these sums are common to all prior sizes. Weights are stored without
-// logarithm, at hypothesis · kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
+// mean `information`/q; both sums are common to all prior sizes. Weights (not their logarithms) are
+// stored at hypothesis · kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
 #pragma once
 
 namespace wheeltap::identification::monitoring::detail {
@@ -66,7 +66,7 @@ struct Entry {
   double v, s;          ///< innovation without a shift, and its variance
   double degrees;       ///< degrees of freedom of Student's t; infinity: Gaussian
   const double* along;  ///< h'k_i of feature j for the gains k_i of the e earlier entries
-  const double* prior;  ///< kSizes x p: inverse prior variances
+  const double* prior;  ///< inverse prior variances (kSizes x p)
 };
 
 struct CandidateKernel {

@@ -80,8 +80,8 @@ void begin(const CandidateTiles& of, const RowStart& row) {
   });
 }
 
-/// Log density of the row relative to the one without a shift, from products of relative scales and
-/// of Student t tails. For Gaussian noise, `tails` is already the logarithm: -½ the sum of squares.
+/// Log density of the row relative to that without a shift, from products of relative scales and of
+/// Student t tails. For Gaussian noise, `tails` is already the logarithm: -½ the sum of squares.
 template <bool kNormal>
 inline Vec log_of(Vec scales, Vec tails, double degrees) {
   if constexpr (kNormal) return -0.5 * log(scales) + tails;

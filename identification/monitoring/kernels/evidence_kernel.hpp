@@ -14,11 +14,11 @@ inline constexpr int kMostColumns = 24;
 /// Input for a group of kLanes features: n rows and K terms. Missing entries have the variance 0.
 struct EvidenceRows {
   int rows, terms;
-  const double* table;       ///< n x K: phi of each row
+  const double* table;       ///< phi of each row (n x K)
   const double* values;      ///< n x kLanes
-  const double* variance;    ///< n x kLanes: noise variance with σ = 1
-  const double* fast_decay;  ///< n: decay of the fast drift since the previous row
-  const double* slow_decay;  ///< n: decay of the slow drift since the previous row
+  const double* variance;    ///< noise variances with σ = 1 (n x kLanes)
+  const double* fast_decay;  ///< decay of the fast drift since the previous row (n rows)
+  const double* slow_decay;  ///< decay of the slow drift since the previous row (n rows)
   const double* fast_ratio;  ///< kLanes
   double slow_ratio;
 };

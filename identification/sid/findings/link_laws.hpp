@@ -24,8 +24,8 @@ struct LinkCurve {
                                                               const inference::Posterior& posterior,
                                                               int model);
 
-/// Force law of a link, averaged over the models: over weighted draws of all models, each evaluated
-/// with its model's force laws.
+/// Force law of a link, averaged over the models: the average of the weighted draws of all models,
+/// each evaluated with the force laws of its model.
 struct LinkLaw {
   /// Static tension for the extensions that occur in the motion at the posterior mean of the most
   /// probable model.
@@ -34,8 +34,8 @@ struct LinkLaw {
   /// Force laws with memory do not contribute to this tension.
   std::vector<double> rate, q2_5, q50, q97_5;
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
-  /// a mass without other links; empty for other links. The map gives the tension Σ F - m ÿ of the
-  /// measured motion against extension and rate, with m at its posterior mean, at up to 500 points.
+  /// a mass without other links; empty for other links. The map gives the measured tension Σ F - m
+  /// ÿ against extension and rate at up to 500 points; m is the posterior mean of the mass.
   /// Extension, rate and acceleration are measured, or finite differences of measured values with
   /// the longest step that the frequency of the motion allows (half a radian). Quantities without
   /// measured values come from the model.

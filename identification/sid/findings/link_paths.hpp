@@ -9,13 +9,13 @@
 
 namespace wheeltap::identification {
 
-/// Path of all links between masses a and b together, at the scored samples. Their extension is e =
-/// z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
+/// Path of all links between masses a and b together, at the scored samples. Their common extension
+/// is e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
-  std::vector<double> extension;  ///< extension e [m] in the model's motion
-  std::vector<double> rate;       ///< rate ė [m/s] in the model's motion
-  std::vector<double> tension;    ///< tension T [N] in the model's motion
+  std::vector<double> extension;  ///< extension e [m] in the simulated motion
+  std::vector<double> rate;       ///< rate ė [m/s] in the simulated motion
+  std::vector<double> tension;    ///< tension T [N] in the simulated motion
   /// T [N] from the balance of forces with measured accelerations. Unknown samples are NaN; the
   /// list is empty if all samples are unknown.
   std::vector<double> measured;

@@ -39,7 +39,7 @@ struct SidFindings : Findings {
   std::vector<std::optional<SidModelFinding>> of_models;
   /// Bayes factor of each model after the first against the first model
   std::vector<BayesFactor> bayes_factors;
-  std::vector<double> coverage;  ///< share of each response's samples within its predictive band
+  std::vector<double> coverage;  ///< fraction of each response's samples in its predictive band
   int predictive_draws = 0;
   Discovery discovery;  ///< results of the discovery of force laws; empty if not requested
   /// Part of the record that a quick run used; empty if the run used all samples

@@ -1,4 +1,4 @@
-// Diagnoses whether the most probable equation of motion explains the record.
+// Goodness of fit: does the most probable equation of motion explain the record?
 #pragma once
 
 #include "identification/findings/fit_verdict.hpp"
@@ -6,7 +6,7 @@
 
 namespace wheeltap::identification {
 
-/// Diagnoses the fit of the most probable model with draws, at its best draw. Reasons for a misfit:
+/// Assesses the fit of the most probable model with draws, at its best draw. Reasons for a misfit:
 ///
 /// - R² of a response is below 1/2 and its residuals are not white (white residuals mean that the
 ///   response is mostly sensor noise);
@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 ///   springs (free_cubic.hpp). If an autoregression whitens the residual, only the comparison with
 ///   free cubic springs counts;
 /// - after the window (SidCase::beyond), a residual exceeds kSmallResidual times the response and
-///   is more than twice the residual within the window, absolutely and relative to the response. It
-///   counts as a misfit only if all of up to 400 draws have such a residual.
+///   is more than twice the residual within the window, absolutely and relative to the response.
+///   The residual counts as a misfit only if all of up to 400 draws have such a residual.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

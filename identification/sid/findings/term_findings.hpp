@@ -22,7 +22,7 @@ struct TermFinding {
   std::vector<ParameterFinding> parameters = {};
 
   /// True if the inclusion probability is above kDecided, so that the term counts as included. The
-  /// next function is true if it is below 1 - kDecided: the term counts as excluded.
+  /// next function is true if the probability is below 1 - kDecided: the term counts as excluded.
   [[nodiscard]] bool is_in() const { return inclusion > kDecided; }
   [[nodiscard]] bool is_out() const { return inclusion < 1.0 - kDecided; }
   static constexpr double kDecided = 0.9;

@@ -1,4 +1,4 @@
-// Comparison of data of a damaged structure with its measured frequencies before damage.
+// Comparison of measured frequencies of a structure after damage with those before damage.
 #pragma once
 
 #include <vector>

@@ -59,7 +59,7 @@ void complete_structure(DamageCase& damage_case) {
                          static_cast<int>(k));
     }
     if (kind.line.empty()) {
-      throw InvalidInput(InvalidInput::Part::location, "has no possible place",
+      throw InvalidInput(InvalidInput::Part::location, "has no possible location",
                          static_cast<int>(k));
     }
   }

@@ -38,10 +38,10 @@ struct DamageCase {
   fem::Beam beam = {};                                   ///< beam, if the case has no structure
   double beam_depth = 0.0;                               ///< depth of the section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< if set, replaces the beam
-  int rigid_body_modes = 0;  ///< number for the intact beam; absent in the data
+  int rigid_body_modes = 0;  ///< rigid-body modes of the intact beam; absent from the data
   FrequencyData data = {};   ///< empty until frequencies are simulated
   /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
-  /// structure are unknown or several states were measured; `data` then contains only the
+  /// structure are unknown or several states were measured. `data` then contains only the
   /// frequencies of the measured modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
   std::optional<Baseline> baseline = {};  ///< if set, `data` are already divided by b/m

@@ -37,7 +37,7 @@ struct DamageProblem : StructuralProblem {
   using Component = PlacedDefect;
   /// True if the emulator only screens proposals, so that the posterior uses the FE solution.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
-  /// The forward model by which the likelihood predicts.
+  /// The forward model whose predictions the likelihood uses.
   [[nodiscard]] const ForwardModel& predicting() const {
     return emulated && !exact() ? *emulated : *model;
   }
@@ -47,13 +47,13 @@ struct DamageProblem : StructuralProblem {
 struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
-  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. Its inputs are place
+  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. The inputs are location
   /// [m] and severity (and extent [m], if unknown) of each defect, for the largest number of
-  /// defects of each kind: first the existing defects in order of place, then zeros.
+  /// defects of each kind: first the existing defects by location, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Forward model that replaces the FE solution: predicts the lowest elastic frequencies [Hz], or
-  /// modes if the case has shapes or correlated frequencies. It must match the structure of the
-  /// case and cannot be emulated.
+  /// modes if the case has shapes or correlated frequencies. The model must match the structure of
+  /// the case and cannot be emulated.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations that are added to the data of the case
   std::vector<std::shared_ptr<const Observation>> observations = {};
@@ -69,13 +69,13 @@ struct DamageProblemOptions {
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
-/// where σ²_emulator is zero unless an emulator predicts and the case adds its error. If the
-/// emulator only screens proposals ("exact"), this is the problem's likelihood `screen`, and the
-/// problem's `likelihood` uses the FE solution.
+/// where σ²_emulator is nonzero only if an emulator predicts and the case adds its error. If the
+/// emulator only screens proposals ("exact"), this formula is the problem's likelihood `screen`,
+/// and the problem's `likelihood` uses the FE solution.
 ///
-/// The FE likelihood has a gradient. As a function of a location, it is piecewise constant with
-/// zero derivative; the slopes of BeamModel replace this derivative by an ascent direction.
-/// Emulators and external models have no gradient. External models are not assumed to be
+/// The FE likelihood has a gradient. As a function of a location, the likelihood is piecewise
+/// constant with zero derivative; the slopes of BeamModel replace this derivative by an ascent
+/// direction. Emulators and external models have no gradient. External models are not assumed to be
 /// mirror-symmetric. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);

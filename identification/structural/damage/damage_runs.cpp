@@ -160,8 +160,9 @@ Table own_table(const fem::Beam& beam, const EmulatorSpec& spec, int modes, int 
 // The values at the points of a design, taken from previous runs.
 RowMatrix values_from(const Table& runs, const Design& design, int modes, int count) {
   if (runs.values.cols() != modes) {
-    throw std::invalid_argument("the parts have " + std::to_string(runs.values.cols()) +
-                                " modes, but the case needs " + std::to_string(modes));
+    throw std::invalid_argument("the parts of the table have " +
+                                std::to_string(runs.values.cols()) + " modes, but the case needs " +
+                                std::to_string(modes));
   }
   const Design made = runs.design();
   std::map<std::vector<double>, Index> rows;
@@ -182,8 +183,8 @@ RowMatrix values_from(const Table& runs, const Design& design, int modes, int co
     }
   }
   if (missing > 0) {
-    throw std::invalid_argument("the parts lack " + std::to_string(missing) + " of the " +
-                                std::to_string(design.runs()) + " runs for " +
+    throw std::invalid_argument("the parts of the table lack " + std::to_string(missing) +
+                                " of the " + std::to_string(design.runs()) + " runs for " +
                                 std::to_string(count) + (count == 1 ? " damage" : " damages") +
                                 ": a part is missing, or belongs to another case");
   }
@@ -350,8 +351,8 @@ Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, con
   if (options.runs != nullptr) {
     const auto found = options.runs->tables.find(table_name(count));
     if (found == options.runs->tables.end()) {
-      throw std::invalid_argument("the parts have no runs with " + std::to_string(count) +
-                                  " damages");
+      throw std::invalid_argument("the parts of the table have no runs with " +
+                                  std::to_string(count) + " damages");
     }
     table.values = values_from(found->second, design, modes, count);
   } else {

@@ -18,24 +18,24 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< seed of the holdout runs
   std::filesystem::path journal_stem = {};  ///< each run is saved to STEM.count_K; empty: no file
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Computes the frequencies of a run instead of the FE solution, from the point of the run. An
-  /// empty point means the intact beam.
+  /// Computes the frequencies at a design point instead of the FE solution. An empty point means
+  /// the intact beam.
   emulator::ModelFactory model = {};
   /// Results of `run_part`; if given, no new runs are made.
   const emulator::TableFile* runs = nullptr;
 };
 
-/// The damages at a run's point (location_1 [m], reduction_1, location_2 …), by location.
+/// The damages at a design point (location_1 [m], reduction_1, location_2 …), by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
 /// One entry per factor of `count` damages: true for a location, along which frequencies oscillate;
 /// false for a reduction.
 [[nodiscard]] std::vector<bool> waves(int count);
 
-/// Computes the elastic frequencies [Hz] at a run's point by the FE solution.
+/// Computes the elastic frequencies [Hz] at a design point by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// Computes the elastic frequencies [Hz] at a run's point by an external model. The model has
+/// Computes the elastic frequencies [Hz] at a design point by an external model. The model has
 /// inputs for the largest allowed number of damages (DamageProblemOptions::outside). Exceptions of
 /// the model are rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
@@ -48,21 +48,21 @@ struct RunOptions {
 [[nodiscard]] std::pair<int, int> elements_of(const inference::Prior& location,
                                               const fem::Beam& beam);
 
-/// The design of `spec` for `count` damages: a grid, or points scattered over the priors of `kind`,
-/// with damages sorted by location, at midpoints of elements. Throws std::invalid_argument for more
-/// than 10 million runs, and for a location prior that covers one element.
+/// The design of `spec` for `count` damages: a grid, or a space-filling design over the priors of
+/// `kind`, with damages sorted by location, at midpoints of elements. Throws std::invalid_argument
+/// for more than 10 million runs, and for a location prior that covers one element.
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
 /// The table of training runs: new runs, previous runs (`options.runs`) or the user's (`spec.csv`).
-/// If `spec.accuracy` is set, it determines the number of runs. Adds the number of new runs to
-/// `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the number of new
+/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Makes the training runs of part `part` (0-based) of `parts` parts. Throws the
-/// exceptions of `run_table`.
+/// Divides the training runs into `parts` parts and makes the runs of part `part` (0-based). Throws
+/// the exceptions of `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

@@ -13,15 +13,15 @@
 
 namespace wheeltap::identification {
 
-/// An emulator for each number of damages 1 … max. Its factors are location[1], reduction[1],
+/// An emulator for each number of damages 1 … max. The factors are location[1], reduction[1],
 /// location[2] … Damages of the FE model cover whole elements, so locations are rounded to the
 /// midpoint of their element. Damages are sorted by location; damage i uses the i-th list of sites.
 class FrequencyEmulator {
  public:
-  /// Makes the runs of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the error
-  /// on holdout runs. `kind` gives the range of scattered designs. Throws std::invalid_argument if
-  /// a design exceeds 10 million runs or does not cover the priors, or if `runs` is incomplete;
-  /// throws FileError for the user's runs.
+  /// Makes the FE runs of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
+  /// error on holdout runs. `kind` gives the range of space-filling designs. Throws
+  /// std::invalid_argument if a design exceeds 10 million runs or does not cover the priors, or if
+  /// `runs` is incomplete; throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);
   /// Reads a table file made for this beam, whose interpolant is one of `types`. Throws

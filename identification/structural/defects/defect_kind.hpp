@@ -18,7 +18,7 @@ namespace wheeltap::identification {
 struct DefectKind;
 
 /// Effects of defects on a structure: defects on members and nodes, and direct changes of the
-/// stiffness of strains.
+/// stiffness of strain components.
 struct StructureEffects {
   fem::StructureDefects defects = {};
   fem::StructureChange change = {};
@@ -34,14 +34,14 @@ struct DefectType {
   std::string_view severity;        ///< name of the severity, a key in a case
   std::string_view severity_words;  ///< column heading: "stiffness lost"
   std::string_view effect_words;    ///< words before a severity: "stiffness reduced by"
-  bool percent = false;             ///< true: the severity is a share, shown in per cent
+  bool percent = false;             ///< true: the severity is a fraction, shown in per cent
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();
   std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
   /// True if the case may give the severity as a number instead of a prior, or omit it (rigid, ∞).
   bool may_be_known = false;
   bool may_be_rotational = false;
-  /// Unit of the severity; "" if the severity is a share.
+  /// Unit of the severity; "" if the severity is a fraction.
   std::string_view (*unit)(const DefectKind&);
   /// Adds the effect of a defect at `location` [m] to a beam; null if the type is not for beams.
   void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
@@ -72,7 +72,7 @@ struct DefectType {
 /// Returns the type with this name, or nullptr if no type has this name.
 [[nodiscard]] const DefectType* find_defect_type(std::string_view name);
 
-/// A kind of defect in a case: its type, and the priors of its number, place and severity.
+/// A kind of defect in a case: its type, and the priors of its number, location and severity.
 struct DefectKind {
   struct Rigid {};
   using Severity = std::variant<Rigid, double, inference::Prior>;
@@ -90,7 +90,7 @@ struct DefectKind {
   inference::Prior location;         ///< location on the line [m]
   Severity severity = Rigid{};
   bool rotation = false;  ///< for a support: true if it restrains the rotation
-  SiteLine line = {};     ///< possible places; `location` is a prior on this line
+  SiteLine line = {};     ///< possible locations; `location` is a prior on this line
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
   std::optional<double> extent = {};  ///< length of a reduction [m]; empty: one element
   std::optional<inference::Prior> extent_prior = {};  ///< if set, replaces `extent`

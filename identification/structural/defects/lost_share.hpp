@@ -1,4 +1,4 @@
-// Common properties of defect types whose severity is the share of the stiffness that is lost.
+// Common properties of defect types whose severity is the lost fraction of the stiffness.
 #pragma once
 
 #include <cmath>

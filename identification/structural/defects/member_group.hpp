@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification::defects {
 
-/// The stiffness of every strain of all members in the group is multiplied by 1 - r. The key in a
-/// case is "substructure", as for parts of matrices from another program.
+/// All stiffnesses of all members in the group are multiplied by 1 - r. The key in a case is
+/// "substructure", as for parts of matrices from another program.
 inline const DefectType kMemberGroup = [] {
   DefectType type = lost_share("substructure", "soft substructure",
                                "a reduction lies in [0, 1): 0 is intact, 1 has no stiffness");

@@ -1,4 +1,4 @@
-// Defects at places on the lines of their kinds, and their combined effect on the structure.
+// Defects with their locations on the lines of their kinds, and their effect on the structure.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// The possible places of one kind of defect, concatenated along one line.
+// The possible locations of one kind of defect, concatenated along one line.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification {
 
-/// Maps one number x in [0, length()) to a place, because the engine requires scalar locations. For
-/// a beam x is the location. For a structure, the allowed members are concatenated, each with a
+/// Maps one number x in [0, length()) to a location, because the engine requires scalars. For a
+/// beam, x is the location. For a structure, the allowed members are concatenated, each with a
 /// length proportional to its prior weight. Each member, joint, storey or substructure is a stretch
 /// of the line. A uniform location prior on the line then reproduces the weights. Probabilities are
 /// reported per cell: an element, or a whole joint.
@@ -23,7 +23,7 @@ class SiteLine {
     double size;        ///< length [m] of a member; 0 for a point
     int first_cell;     ///< index of the site's first cell
   };
-  /// The place of a point on the line.
+  /// The location of a point on the line.
   struct Spot {
     int stretch;
     int site;
@@ -34,8 +34,8 @@ class SiteLine {
 
   SiteLine() = default;
   [[nodiscard]] static SiteLine of_beam(const fem::Beam& beam);
-  /// A line of members. Without weights, lengths on the line are in metres; otherwise, lengths are
-  /// proportional to the weights.
+  /// A line of members. Without weights, lengths on the line are in metres; with weights, lengths
+  /// are proportional to the weights.
   [[nodiscard]] static SiteLine of_members(const fem::Mesh& mesh, const std::vector<int>& members,
                                            const std::vector<double>& weights = {});
   /// A line of joints, storeys or substructures, with one stretch for each.
@@ -55,7 +55,7 @@ class SiteLine {
   /// std::invalid_argument outside the line.
   [[nodiscard]] int cell_at(double x) const;
   [[nodiscard]] int stretch_of_cell(int c) const;
-  /// The place at x on the line. Throws the exceptions of `cell_at`.
+  /// The location at x on the line. Throws the exceptions of `cell_at`.
   [[nodiscard]] Spot spot(double x) const;
   /// Inverse of `spot`; NaN if the site is not on the line.
   [[nodiscard]] double x_of(int site, double s) const;

@@ -1,4 +1,4 @@
-// Symmetries of a structure, applied to the places of defects.
+// Symmetries of a structure, applied to the locations of defects.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 namespace wheeltap::identification {
 
 /// Maps of the structure onto itself that preserve all frequencies for any defects. Frequencies
-/// cannot distinguish a place from its image under these maps.
+/// cannot distinguish a location from its image under these maps.
 struct SiteSymmetries {
   /// Maps of the location (parameter 0) on the lines of the kinds, and the inverse maps
   std::vector<inference::Symmetry> maps;
@@ -31,8 +31,8 @@ using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedD
 /// Tests all geometric self-maps (fem::self_maps) that leave the possible locations of every kind
 /// of defect, and their prior weights, unchanged. Keeps the maps that preserve the frequencies
 /// within a relative error of 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of
-/// each line in turn, then defects on all stretches together. Places and severities are drawn from
-/// the priors with a fixed seed.
+/// each line in turn, then defects on all stretches together. Locations and severities are drawn
+/// from the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,
                                              const SolveDefects& solve);

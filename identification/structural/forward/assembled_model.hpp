@@ -9,8 +9,8 @@ namespace wheeltap::identification {
 
 class AssembledModel final : public ForwardModel {
  public:
-  /// `modes` is the number of computed modes, including rigid-body modes. `motions` has the motion
-  /// that each sensor measures; it is empty if no mode shapes are needed. Throws
+  /// `modes` is the number of computed modes, including rigid-body modes. `motions` has the
+  /// displacement that each sensor measures; it is empty if no shapes are needed. Throws
   /// fem::InvalidStructure, std::invalid_argument.
   AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
                  int rigid_body_modes, std::vector<fem::SparseRow> motions = {});

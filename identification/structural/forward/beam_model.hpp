@@ -6,9 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// The slopes of frequencies are those of fem::Reanalysis: exact derivatives by reductions and
-/// stiffnesses, and differences of two further solutions by location. The model has no slopes if a
-/// kind of defect is not elementary (DefectType).
+/// The slopes of frequencies are those of fem::Reanalysis: exact derivatives with respect to
+/// severities; differences of two further solutions with respect to locations. The model has no
+/// slopes if a kind of defect is not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
   /// `modes` is the number of elastic modes. Throws the exceptions of the constructor of

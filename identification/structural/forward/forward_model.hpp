@@ -48,8 +48,8 @@ class ForwardModel {
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
     /// Optional: for a structure without defects, writes the modes into `out` and their derivatives
-    /// by θ into `slopes`. Returns false, with both undefined, if the derivatives are not
-    /// available.
+    /// with respect to θ into `slopes`. Returns false, with both undefined, if the derivatives are
+    /// not available.
     virtual bool differentiate_modes(std::span<const double> /*theta*/, Prediction& /*out*/,
                                      fem::ParametricModes::Slopes& /*slopes*/) {
       return false;

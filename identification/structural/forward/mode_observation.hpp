@@ -1,5 +1,5 @@
 // Observation of measured modes, which are matched to computed modes by their shapes and
-// frequencies instead of by number.
+// frequencies instead of by mode number.
 #pragma once
 
 #include <memory>

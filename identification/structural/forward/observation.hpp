@@ -21,13 +21,13 @@ class Observation {
   [[nodiscard]] virtual std::vector<inference::Parameter> parameters() const { return {}; }
   /// Returns ln p(data | prediction, noise), with all normalising constants. `noise` has the values
   /// of `parameters`. `predicted` has frequencies or modes, as the problem's first observation
-  /// requires. Every observation may append standardised residuals to `out`; only the first one may
-  /// change other members of `out`.
+  /// requires. Every observation may append standardised residuals to `out`; only the first
+  /// observation may change other members of `out`.
   virtual double log_density(const Prediction& predicted, std::span<const double> noise,
                              inference::Evaluation& out) const = 0;
 };
 
-/// Measured frequencies of the lowest elastic modes, identified by number; see NoiseModel.
+/// Measured frequencies of the lowest elastic modes, identified by mode number; see NoiseModel.
 class FrequencyObservation final : public Observation {
  public:
   explicit FrequencyObservation(FrequencyData data) : data_(std::move(data)) {}

@@ -6,9 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// The program computes the elastic frequencies [Hz] from place [m] and severity (and extent [m],
-/// if unknown) of each defect. It gets inputs for the largest number of defects of each kind: first
-/// the existing defects in order of place, then zeros.
+/// The program computes the elastic frequencies [Hz] from location [m] and severity (and extent
+/// [m], if unknown) of each defect. The program gets inputs for the largest number of defects of
+/// each kind: first the existing defects by location, then zeros.
 class ProgramModel final : public ForwardModel {
  public:
   ProgramModel(std::shared_ptr<OutsideModel> model, std::vector<DefectKind> kinds)

@@ -35,7 +35,7 @@ struct ModalNoise {
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
-/// limited to 1, beyond which first order is not valid (expansion: Fox & Kapoor 1968, AIAA J.
+/// limited to 1, because the first-order expansion is not valid beyond ( Fox & Kapoor 1968, AIAA J.
 /// 6:2426). For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
@@ -149,7 +149,7 @@ class ModalLikelihood {
   [[nodiscard]] ShapeDensity::Mixing mixing_of(const fem::ParametricModes::Modes& modes, int mode,
                                                Eigen::Index computed,
                                                const ModalNoise& noise) const;
-  /// The probability, for each measured mode, that it is not spurious, given θ.
+  /// The probability that each measured mode is not spurious, given θ.
   [[nodiscard]] Eigen::VectorXd real(const fem::ParametricModes::Modes& modes,
                                      const ModalNoise& noise) const;
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,

@@ -42,7 +42,7 @@ struct WithoutMode {
 /// Comparison of measured and computed shapes of one state.
 struct ShapesBeside {
   int state = 0;
-  Eigen::MatrixXd mac;  ///< measured × computed modes; NaN if no shape was measured
+  Eigen::MatrixXd mac;  ///< MAC matrix (measured × computed modes); NaN if no shape was measured
   /// Modes × sensors, for the matched modes, scaled to the measured shapes; NaN if not measured.
   Eigen::MatrixXd computed;
 };

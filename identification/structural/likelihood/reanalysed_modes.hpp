@@ -44,7 +44,7 @@ class ReanalysedModes {
 
   struct Wanted {
     int modes = 1;                                            ///< number of elastic modes
-    std::span<const fem::SparseRow> motions = {};             ///< motions that sensors measure
+    std::span<const fem::SparseRow> motions = {};             ///< displacements of the sensors
     std::span<const fem::StructureChange::Mass> masses = {};  ///< added masses
   };
   using Outcome = fem::ScaledStructure::Outcome;

@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification {
 
-/// The density of a measured shape ψ of m entries. Scale and sign of ψ are arbitrary; only its
+/// The density of a measured shape ψ with m entries. Scale and sign of ψ are arbitrary; only its
 /// direction is measured. With noise e ~ N(0, Σ), ψ = a φ + e and unknown amplitude a (flat prior),
 /// the density of the direction on the tangent plane at ψ̂ = ψ/|ψ| is
 ///
@@ -32,13 +32,13 @@ namespace wheeltap::identification {
 class ShapeDensity {
  public:
   /// `values` is ψ, of any scale and sign. `covariance` is Σ for ψ scaled to a largest entry of 1:
-  /// m × m, positive definite except for one entry. Throws std::invalid_argument for fewer than 2
-  /// entries, non-finite numbers, a zero shape, and an invalid covariance.
+  /// m × m, positive definite without an entry of zero variance. Throws std::invalid_argument for
+  /// fewer than 2 entries, non-finite numbers, a zero shape, and an invalid covariance.
   ShapeDensity(Eigen::VectorXd values, const Eigen::MatrixXd& covariance);
 
   struct Comparison {
     double log_density = 0.0;
-    double chi_square = 0.0;  ///< has `freedoms()` degrees of freedom; one less with a rotation
+    double chi_square = 0.0;  ///< has `freedoms()` degrees of freedom; one fewer with a rotation
     double mac = 0.0;         ///< (ψ·φ)² / (|ψ|² |φ|²), for the measured entries
     double turn = 0.0;        ///< α̂ [rad]
   };

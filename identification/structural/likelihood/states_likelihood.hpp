@@ -32,8 +32,8 @@ namespace wheeltap::identification {
 /// The effect of damage on a frequency depends on the shapes. First-order shape errors cause only
 /// second-order frequency errors. Let the model error mix c φ_k into φ_j and -c φ_j into φ_k, c ~
 /// N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ δK_d φ_k,
-/// and λ_k by the opposite amount. For a stiffness loss along one strain, (φ_jᵀ δK_d φ_k)² = Δλ_j
-/// Δλ_k; otherwise the left side is smaller. With Δλ the change from the first healthy state with
+/// and λ_k by the opposite amount. For a stiffness loss of rank one, (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
+/// for other losses, the left side is smaller. With Δλ the change from the first healthy state with
 /// the same `known` to a damaged state,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
@@ -105,8 +105,8 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Working memory of one thread. It caches the last assembled structure and its solution, because
-  /// proposals that change only damages do not change the intact structure.
+  /// Working memory of one thread. The workspace caches the last assembled structure and its
+  /// solution, because proposals that change only damages do not change the intact structure.
   struct Workspace {
     /// The intact structure, which all groups with the same `known` share.
     struct Intact {
@@ -179,7 +179,7 @@ class StatesLikelihood {
   struct Group {
     std::vector<int> states;                   // states that differ only in temperature
     int modes = 1;                             // number of elastic modes
-    std::vector<fem::SparseRow> motions = {};  // motions of all sensors
+    std::vector<fem::SparseRow> motions = {};  // displacements at all sensors
     std::size_t intact = 0;                    // index of the intact structure in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`

@@ -23,14 +23,14 @@ class StiffnessPieces {
   StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* mesh);
 
   [[nodiscard]] int count() const { return count_; }
-  /// φ_jᵀ K_p φ_k of each part p, modes × modes, from the strains. The structure may have further
-  /// strains (springs of damages, which are not parts). `shapes` is n × modes.
+  /// Matrices φ_jᵀ K_p φ_k (modes × modes) of all parts p, from strain components. Further strain
+  /// components (springs of damages) belong to no part. `shapes` is n × modes.
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
-  /// For a softening that leaves the fraction q of a strain's stiffness, this is q (1 - q) times
-  /// the energy of the strain before softening. (If the flexibility of a part is 1 + a times that
-  /// of the model, the part loses a share of stiffness that is smaller by (1 - q) a.)
+  /// For a softening that leaves the fraction q of the stiffness of a strain component, this is q
+  /// (1 - q) times its energy before softening. (If a part's flexibility is 1 + a times that of the
+  /// model, the part loses a fraction of stiffness smaller by q (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;

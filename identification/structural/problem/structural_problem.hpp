@@ -36,7 +36,7 @@ struct StructuralProblem {
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
-  /// True if measured modes are matched to computed modes instead of identified by number.
+  /// True if measured modes are matched to computed modes, not identified by mode number.
   [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
   /// Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }

@@ -1,10 +1,10 @@
 // Check of the mode numbers of measured frequencies if no shapes were measured.
 //
 // Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2 <
-// … assigns other modes instead. Its prior weight is a product: a factor 0.05 for each mode that is
-// missed in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
-// priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
-// that
+// … assigns other modes instead. The prior weight of a numbering is a product: a factor 0.05 for
+// each mode that is missed in addition to the known gaps, and 0.1 for each known gap that is not a
+// mode. Under the priors, ln f of the computed modes is approximately normal, N(m, S), estimated
+// from draws, so that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
@@ -35,8 +35,8 @@ struct NumberingFinding {
   [[nodiscard]] bool is_doubtful() const { return probability < 0.9; }
 };
 
-/// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has
-/// the assumed column in `ln_f` of each measured mode, from 0. `ln_measured` and `covariance` are
+/// `ln_f` is ln f of the computed modes: draws × modes, by ascending mode number. `measured` has,
+/// for each measured mode, the assumed column of `ln_f`, from 0. `ln_measured` and `covariance` are
 /// ln f of the measured modes and its covariance. Requires more than 2 draws per mode.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,
@@ -44,8 +44,8 @@ struct NumberingFinding {
                                                const Eigen::MatrixXd& covariance);
 
 /// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is the
-/// covariance of all rows [Hz²]. The result is empty if shapes were measured, or if the solutions
-/// that two seconds allow are too few.
+/// covariance of all rows [Hz²]. The result is empty if shapes were measured, or if two seconds
+/// allow too few solutions.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,
     const Eigen::MatrixXd& frequency_covariance);

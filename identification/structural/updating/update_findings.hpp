@@ -27,7 +27,7 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation` is that of their z in a solution.
+/// Two parameters that the data cannot distinguish; `correlation` refers to their z in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
@@ -49,7 +49,7 @@ struct ModeFinding {
   Marginal frequency_hz = {};             ///< frequency of the computed mode
   double residual = 0.0;                  ///< residual divided by its sd: mean over the draws
   int computed = 0;                       ///< computed mode that draws match most often, from 1
-  double matched = 1.0;                   ///< share of the draws with the match `computed`
+  double matched = 1.0;                   ///< fraction of the draws with the match `computed`
   /// Probability that the mode is spurious, if modes may be spurious
   double spurious = 0.0;
   bool has_shape = false;

@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 /// "shape_discrepancy" and "mixing"; the noise parameters of added observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
-  double seconds_a_likelihood = 0.0;  ///< estimated run time of one likelihood on this machine [s]
+  double seconds_a_likelihood = 0.0;  ///< run time of a likelihood evaluation on this machine [s]
 
   /// Noise parameters at x, including the emulator's error variance at x.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
@@ -35,8 +35,8 @@ struct UpdateProblem : StructuralProblem {
 struct UpdateProblemOptions {
   int training = 200;  ///< number of prior draws that train the basis
   std::function<void(double)> progress = {};
-  /// External model. From the parameters of the structure, it computes the frequencies [Hz] of the
-  /// measured modes, then those of the modes to predict. If set, the structure is not used.
+  /// External model that computes, from the parameters of the structure, the frequencies [Hz] of
+  /// the measured modes, then those of the modes to predict. If set, the structure is not used.
   std::shared_ptr<OutsideModel> outside = {};
   std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
   int threads = 1;                                   ///< number of threads that train the emulator

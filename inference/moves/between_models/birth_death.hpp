@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 
 /// The move proposes k + 1 or k - 1 components for a state with k components, each with probability
 /// ½. If the neighbouring model does not exist (at k = 0 or k_max), the chain repeats its state.
-/// Both probabilities are therefore ½ also at k = 0 and k = k_max.
+/// Birth and death thus have probability ½ also at k = 0 and k = k_max.
 ///
 /// A birth draws a component c from q(· | set) and inserts it in order. A death removes component i
 /// of the k + 1 components with probability p_i:

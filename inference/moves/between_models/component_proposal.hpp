@@ -59,7 +59,7 @@ struct EffectAtlas {
 };
 
 /// Computes the table of `kind`. Null if the likelihood gives no residuals, or if no two models
-/// with zero and one component of this kind have the same counts of the other kinds.
+/// differ only in that one has no component and the other has one component of this kind.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
 /// Informed birth. If r is the residual of the state, a new component in cell c changes r to about

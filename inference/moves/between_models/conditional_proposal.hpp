@@ -22,7 +22,7 @@ class ConditionalMixtures {
  public:
   ConditionalMixtures(const ModelSpace& space, const PilotFit& fit, int kind);
 
-  /// Normal l of one model's mixture, conditioned on all components of the set except j.
+  /// The l-th normal density of one model's mixture, conditional on the set without component j.
   struct Conditional {
     double log_weight;  ///< ln w_l - ln |L_I|
     int first;          ///< coordinates [first, first + width) belong to component j

@@ -1,5 +1,5 @@
-// Jumps between models by means of the fitted mixtures. A jump keeps the standardised position
-// within a mixture component.
+// Jumps between models, based on the fitted mixtures. A jump keeps the standardised position within
+// a mixture component.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Results of a damage identification: number, places and severities of defects; fit to data.
+// Results of a damage identification: number, locations and severities of defects; fit to data.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace wheeltap::identification {
 
-/// A part of a beam or member with an expected number of defects of at least 0.1.
+/// A segment of a beam or member in which the expected number of defects is at least 0.1.
 struct Place {
   int stretch = 0;  ///< index of the member, joint or storey in the kind's line
   double from, to;  ///< [m]
@@ -27,10 +27,10 @@ struct Place {
   std::optional<Marginal> extent = {};  ///< marginal of the extent [m], if the extent is unknown
 };
 
-/// Posterior places of the defects of one kind.
+/// Posterior locations of the defects of one kind.
 struct KindFinding {
   std::vector<double> expected;                    ///< expected number of defects in each cell
-  std::map<int, std::vector<double>> given_count;  ///< the same, given each number of defects > 0
+  std::map<int, std::vector<double>> given_count;  ///< `expected`, given each number of defects > 0
   std::vector<Place> places;
 };
 
@@ -38,7 +38,7 @@ struct KindFinding {
 /// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects in front of and behind their mirror images
+    double left, right;  ///< defects that precede or follow their mirror images: expected numbers
     double mcse_of_difference;
   };
   double center;  ///< [m], for a beam

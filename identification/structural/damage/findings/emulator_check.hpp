@@ -1,4 +1,4 @@
-// Effect of an emulator on the posterior, estimated from FE solutions at draws of the run.
+// Effect of an emulator on the posterior, estimated from FE solutions at posterior draws.
 #pragma once
 
 #include <optional>

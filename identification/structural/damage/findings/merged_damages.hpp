@@ -2,9 +2,9 @@
 // length that one damage covers (for example an element) and not on the data.
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
-// the lowest orders of l divided by the wavelength of the mode, frequencies depend only on the sum,
-// centre and spread of the c_i of the damages i. Two damages are replaced by one damage of length L
-// with the same sum, centre and spread,
+// the lowest orders of the ratio of l to the wavelength of the mode, frequencies depend only on the
+// sum, centre and spread of the c_i of the damages i. Two damages are replaced by one damage of
+// length L with the same sum, centre and spread,
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
 //
@@ -23,11 +23,11 @@ namespace wheeltap::identification {
 /// Draws of one model in which damages of a kind are merged.
 struct MergedModel {
   int model = 0;
-  double merged = 0.0;  ///< share of draws in which damages were merged
+  double merged = 0.0;  ///< fraction of draws in which damages were merged
   int count = 0;        ///< most frequent number of damages after merging
-  // The longest merged damage in each of these draws, on the part where it occurs most often:
+  // The longest merged damage in each of these draws, on the member where it occurs most often:
   int stretch = 0;
-  double fixed = 0.0;                   ///< length that one damage covers on this part [m]
+  double fixed = 0.0;                   ///< length that one damage covers on this member [m]
   Marginal location = {}, length = {};  ///< centre and length of the merged damage [m]
   Marginal reduction = {};
   double gain = 0.0;  ///< mean change of the log likelihood by merging

@@ -1,4 +1,4 @@
-// Mutually exclusive places of damage that the data do not distinguish.
+// Mutually exclusive locations of damage that the data do not distinguish.
 #pragma once
 
 #include <optional>
@@ -9,20 +9,20 @@
 
 namespace wheeltap::identification {
 
-/// Probability of a defect at each place, and at both places of each pair.
+/// Probability of a defect at each location, and of defects at both locations of each pair.
 struct PlaceProbabilities {
   std::vector<double> each;               ///< n
-  std::vector<std::vector<double>> both;  ///< n × n, symmetric; the diagonal is not used
+  std::vector<std::vector<double>> both;  ///< symmetric n × n matrix; the diagonal is not used
 };
 
-/// Finds groups of places that exclude each other. In a group, each place is damaged with a
-/// probability of at least 5 %. The probability that both places of a pair are damaged is at most a
-/// tenth of that of the less probable one. The total probability of a group is at least one half.
-/// Groups and places are sorted, most probable first; a place is in at most one group.
+/// Finds groups of locations that exclude each other. In a group, each location is damaged with a
+/// probability of at least 5 %. The probability that both locations of a pair are damaged is at
+/// most a tenth of the smaller probability. The total probability of a group is at least one half.
+/// Groups and locations are sorted, most probable first; a location is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
 /// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups whose
-/// places are only images of each other in `symmetry`.
+/// locations are only images of each other in `symmetry`.
 void add_rival_remarks(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
                        std::vector<Remark>& remarks);
 

@@ -9,7 +9,7 @@
 namespace wheeltap::identification {
 
 /// Estimates for a symmetric beam, one table per model: locations are measured from the nearer end,
-/// and components are sorted by this distance. Else they would mix mirror images.
+/// and components are sorted by this distance. Unfolded estimates would average over mirror images.
 [[nodiscard]] std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws);
 
 /// The number of defects that precede their mirror images along the line, minus the number of

@@ -11,7 +11,7 @@
 
 namespace wheeltap::identification {
 
-/// The report does not describe counts with a smaller probability
+/// The report does not describe numbers of defects with a smaller probability
 inline constexpr double kWorthReporting = 0.05;
 
 /// Converts draws to lists of defects. Both arguments must outlive the object. Not thread-safe.
