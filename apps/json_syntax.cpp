@@ -4,15 +4,12 @@
 #include <utility>
 
 #include "apps/written_number.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
 constexpr std::string_view kJsonBlank = " \t\r\n";
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 /// Position of the last byte before `at` that is not a blank; npos if there are only blanks.
 std::size_t last_before(std::string_view text, std::size_t at) {

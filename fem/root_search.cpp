@@ -15,7 +15,7 @@ namespace {
 /// Predicted relative error in λ at which a root is accepted.
 constexpr double kRootError = 2e-13;
 /// Rounding error of a Rayleigh quotient, relative to the λ of the evaluation.
-constexpr double kRounding = 1e-15;
+constexpr double kRoundingOfRoot = 1e-15;
 /// After this number of evaluations, every second evaluation bisects by the inertia count.
 constexpr int kPatience = 20;
 /// After this number of evaluations, even bisection has found only singular blocks. The result is
@@ -246,7 +246,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   const double next = search.z + step;
   if (search.confirming) return advance_confirmation(search, followed, next);
 
-  const double rounding = kRounding * std::max(search.z, next);
+  const double rounding = kRoundingOfRoot * std::max(search.z, next);
   const Found here{
       .lambda = next, .radius = std::sqrt(squared) + rounding, .at = search.z, .below = below};
   if (search.root == last_) {  // evaluated but not refined

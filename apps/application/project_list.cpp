@@ -1,7 +1,6 @@
 #include "apps/application/project_list.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "io/file_error.hpp"
 #include "io/formats/formats.hpp"
 #include "io/text/text.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -37,8 +37,7 @@ std::optional<Json> object_in(const fs::path& path, std::uintmax_t largest) {
 }
 
 bool is_record(const fs::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = io::lower(path.extension().string());
   return !ending.empty() && std::ranges::any_of(io::formats(), [&](const io::Format& format) {
     return std::ranges::find(format.endings, ending) != format.endings.end();
   });

@@ -114,7 +114,8 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
     if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
       refuse(kUpdateData / "predict", out.data.modes() + out.data.predict);
     if (out.simulation && out.simulation->modes > most) {
-      if (f.json.at(kUpdateTruth).contains("modes")) refuse(kUpdateTruth / "modes", out.simulation->modes);
+      if (f.json.at(kUpdateTruth).contains("modes"))
+        refuse(kUpdateTruth / "modes", out.simulation->modes);
       out.simulation->modes = most;
     }
   } catch (const fem::InvalidStructure& error) {
@@ -158,7 +159,8 @@ bool has_several(const CaseFile& f) {
 }
 
 void take_case_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
-  if (needs == UpdateNeeds::truth) f.refuse(kUpdateTruth, "is missing: there is nothing to simulate");
+  if (needs == UpdateNeeds::truth)
+    f.refuse(kUpdateTruth, "is missing: there is nothing to simulate");
   auto states = parse_states(f, out.structure, false);
   out.data = states.joined();
   out.states = std::make_shared<const ObservedStates>(std::move(states));

@@ -272,7 +272,8 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     if (found.file.json.at("section").value("shape", "").empty())
       found.file.refuse(Pointer("/section/shape"),
                         "is missing: area, second_moment and shear_coefficient are given already");
-    if (const auto odd = identification::implausible_material("the section", material.young, material.density))
+    if (const auto odd =
+            identification::implausible_material("the section", material.young, material.density))
       warn_of({*odd});
     const MeshedSection section = analyse(found.file, Pointer("/section"), material);
     if (const fem::SectionAnalysis& a = section.analysis; !a.converged)

@@ -130,8 +130,8 @@ std::string law_figure(const dynamics::LawInfo& info) {
                   tension, lines, &CyclePoint::rate);
   }
   return svg_sheet((two ? 2.0 : 1.0) * (kPanelLeft + kFigureWidth) + kApart + (two ? 16 : 0),
-                   kPanelTop + kPanelHeight + kBelow, std::string(info.name) + ": " + law_caption(info),
-                   body);
+                   kPanelTop + kPanelHeight + kBelow,
+                   std::string(info.name) + ": " + law_caption(info), body);
 }
 
 }  // namespace wheeltap::apps

@@ -25,8 +25,12 @@ struct Sheet {
   [[nodiscard]] std::string at(const Vector2d& p) const {
     return fixed(x(p), 2) + " " + fixed(y(p), 2);
   }
-  [[nodiscard]] double x(const Vector2d& p) const { return kSketchMargin + scale * (p.x() - low.x()); }
-  [[nodiscard]] double y(const Vector2d& p) const { return kSketchMargin + scale * (high.y() - p.y()); }
+  [[nodiscard]] double x(const Vector2d& p) const {
+    return kSketchMargin + scale * (p.x() - low.x());
+  }
+  [[nodiscard]] double y(const Vector2d& p) const {
+    return kSketchMargin + scale * (high.y() - p.y());
+  }
   [[nodiscard]] double width() const { return 2.0 * kSketchMargin + scale * (high.x() - low.x()); }
   [[nodiscard]] double height() const { return 2.0 * kSketchMargin + scale * (high.y() - low.y()); }
 };

@@ -157,7 +157,7 @@ class Bisection {
   std::vector<Vector> modes_;
 };
 
-WidePencil::Vector widened(const Eigen::Matrix<long double, Eigen::Dynamic, 1>& x) {
+WidePencil::Vector as_double_double(const Eigen::Matrix<long double, Eigen::Dynamic, 1>& x) {
   WidePencil::Vector wide(x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) wide[i] = DoubleDouble::from(x[i]);
   return wide;
@@ -231,7 +231,7 @@ LowestModes lowest_modes(const Beam& beam, const Defects& defects, int count, Wi
   try {
     std::vector<WidePencil::Vector> starts;
     for (const auto& q : Bisection<long double>(beam, defects, count).run())
-      starts.push_back(widened(q));
+      starts.push_back(as_double_double(q));
     const auto modes = finish(pencil, std::move(starts));
     if (modes && modes->proven) return *modes;
   } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the wider numbers follow

@@ -103,7 +103,7 @@ std::optional<Real> WidePencil::refine(Vector& q, const std::vector<Vector>& oth
   // A vector error δ towards a mode at the relative distance g changes the quotient by g δ². The
   // step that shows this change leaves δ³, 3e-14 for g = 1e-13; closer modes count as equal.
   constexpr double kDone = 1e-22;
-  constexpr double kRounding = 1e-14;  // limit of accuracy for very soft springs
+  constexpr double kSmallestChange = 1e-14;  // limit of accuracy for very soft springs
   Real quotient = normalise(q, others);
   for (int step = 0; step < 12; ++step) {
     ldlt_.factor(quotient);
@@ -118,7 +118,7 @@ std::optional<Real> WidePencil::refine(Vector& q, const std::vector<Vector>& oth
     q = next;
     const Real change = abs(quotient - last);
     if (change <= Real(kDone) * quotient) return quotient;
-    if (step >= 3 && change <= Real(kRounding) * quotient) return quotient;
+    if (step >= 3 && change <= Real(kSmallestChange) * quotient) return quotient;
   }
   return std::nullopt;
 }

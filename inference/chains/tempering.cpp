@@ -11,7 +11,7 @@ namespace {
 constexpr long kMaxRungs = 1 << 10;  // random streams per scan
 // Largest number of draws from the prior. These draws miss a feasible region of 1e-4 of the prior
 // with a probability of e^-10. The evaluation of a zero likelihood usually takes little time.
-constexpr int kTries = 100'000;
+constexpr int kPriorTries = 100'000;
 // Number of draws for a long record; after kTriesOfWhole draws, its first samples test a draw.
 constexpr int kTriesOfRecord = 5000;
 constexpr int kTriesOfWhole = 200;
@@ -33,12 +33,12 @@ std::vector<double> geometric_ladder(int rungs) {
 
 State start_from_prior(Target& target, base::Random& random) {
   State state;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kPriorTries; ++i) {
     target.draw_prior(random, state);
     target.evaluate(state);
     if (std::isfinite(state.log_likelihood)) return state;
   }
-  throw LikelihoodError("the likelihood is zero at every one of " + std::to_string(kTries) +
+  throw LikelihoodError("the likelihood is zero at every one of " + std::to_string(kPriorTries) +
                         " points drawn from the prior");
 }
 
@@ -57,7 +57,7 @@ std::vector<int> check_models(Target& target, std::uint64_t seed,
     // Most impossible draws of a long record are impossible for its first samples, which take less
     // time. The first kTriesOfWhole draws use the whole record, so that LikelihoodError never
     // depends on the first samples alone.
-    const int tries = shortened ? kTriesOfRecord : kTries;
+    const int tries = shortened ? kTriesOfRecord : kPriorTries;
     State state;
     bool finite = false;
     for (int i = 0; i < tries && !finite; ++i) {

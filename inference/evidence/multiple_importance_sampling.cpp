@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kBlock = 250;            // draws per job
+constexpr int kDrawsPerJob = 250;      // draws per job
 constexpr std::size_t kTogether = 32;  // likelihoods per batch: a few vectors full
 
 void accumulate(double& sum, double term) {
@@ -26,7 +26,7 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
   const auto total = before + static_cast<std::size_t>(n);
   z_.resize(total * d);
   log_posterior_.resize(total);
-  const int blocks = (n + kBlock - 1) / kBlock;
+  const int blocks = (n + kDrawsPerJob - 1) / kDrawsPerJob;
   std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
   base::parallel_for(
       blocks, threads_,
@@ -36,8 +36,8 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
                             static_cast<std::uint64_t>(model_) |
                                 static_cast<std::uint64_t>(proposals_.size()) << 32U,
                             base::Purpose::evidence);
-        const auto begin = before + static_cast<std::size_t>(block) * kBlock;
-        const auto end = std::min(begin + kBlock, total);
+        const auto begin = before + static_cast<std::size_t>(block) * kDrawsPerJob;
+        const auto end = std::min(begin + kDrawsPerJob, total);
         for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
         std::vector<ModelPosterior::Value> values(end - begin);
         for (std::size_t i = begin; i < end; i += kTogether) {
@@ -51,8 +51,8 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
         counted[static_cast<std::size_t>(block)] = posterior.evaluations();
       },
       base::carriage([&](int block, auto& parcel) {
-        const auto begin = before + static_cast<std::size_t>(block) * kBlock;
-        const auto size = std::min<std::size_t>(kBlock, total - begin);
+        const auto begin = before + static_cast<std::size_t>(block) * kDrawsPerJob;
+        const auto size = std::min<std::size_t>(kDrawsPerJob, total - begin);
         parcel(std::span(z_).subspan(begin * d, size * d),
                std::span(log_posterior_).subspan(begin, size),
                counted[static_cast<std::size_t>(block)]);

@@ -10,6 +10,7 @@
 
 #include "io/file_error.hpp"
 #include "io/tables/delimited_text.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -33,11 +34,6 @@ struct Entity {
   throw FileError(FileError::Kind::corrupt, name, {.line = line}, reason);
 }
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
-}
-
 std::vector<Pair> pairs_of(const std::string& bytes, const std::filesystem::path& name) {
   if (bytes.starts_with("AutoCAD Binary DXF"))
     throw FileError(FileError::Kind::foreign, name, "is a binary DXF; save it as ASCII DXF");
@@ -47,7 +43,7 @@ std::vector<Pair> pairs_of(const std::string& bytes, const std::filesystem::path
   const auto next = [&]() -> std::optional<std::string> {
     if (at >= bytes.size()) return std::nullopt;
     const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-    std::string text = trimmed(std::string_view(bytes).substr(at, end - at));
+    std::string text(trimmed(std::string_view(bytes).substr(at, end - at)));
     at = end + 1;
     ++line;
     return text;

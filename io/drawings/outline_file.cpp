@@ -6,15 +6,10 @@
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
 #include "io/tables/delimited_text.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
-
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
 
 /// Entry i is true if line i (from 1) is empty.
 std::vector<bool> empty_lines(const std::string& bytes) {

@@ -11,18 +11,13 @@
 #include "io/matlab/matlab_file.hpp"
 #include "io/netcdf/array_file.hpp"
 #include "io/tables/delimited_text.hpp"
+#include "io/text/words.hpp"
 #include "io/universal/universal_file.hpp"
 
 namespace wheeltap::io {
 namespace {
 
 constexpr std::size_t kBeginning = 512;  // bytes; longer than any `magic`
-
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
 
 }  // namespace
 

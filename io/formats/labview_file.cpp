@@ -10,6 +10,7 @@
 #include "io/text/text.hpp"
 #include "io/text/text_lines.hpp"
 #include "io/text/text_number.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -27,12 +28,6 @@ Fields split(std::string_view line, char separator) {
     if (end == std::string_view::npos) return out;
     line.remove_prefix(end + 1);
   }
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 struct Header {

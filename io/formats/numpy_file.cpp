@@ -19,7 +19,7 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::string_view kNumpyMagic("\x93NUMPY", 6);
 constexpr std::size_t kMostDimensions = 4;
 
 /// The element type of an array: letter of NumPy, size and byte order.
@@ -44,9 +44,9 @@ struct NoNumbers {
   std::string why;
 };
 
-class Header {
+class NumpyHeader {
  public:
-  Header(std::string_view text, const std::filesystem::path& file, std::string shown)
+  NumpyHeader(std::string_view text, const std::filesystem::path& file, std::string shown)
       : text_(text), file_(file), shown_(std::move(shown)) {}
 
   [[noreturn]] void corrupt(const std::string& why) const {
@@ -218,7 +218,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
   const auto corrupt = [&](const std::string& why) {
     throw FileError(FileError::Kind::corrupt, file, shown + why);
   };
-  if (!std::string_view(bytes).starts_with(kMagic))
+  if (!std::string_view(bytes).starts_with(kNumpyMagic))
     throw FileError(FileError::Kind::foreign, file, shown + "is not a NumPy array (.npy)");
   if (bytes.size() < 12) corrupt("is truncated within its header");
   const int version = static_cast<unsigned char>(bytes[6]);
@@ -230,7 +230,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
   const std::size_t from = version == 1 ? 10 : 12;
   if (bytes.size() - from < length) corrupt("is truncated within its header");
   const std::string text = bytes.substr(from, length);
-  const Header header(text, file, shown);
+  const NumpyHeader header(text, file, shown);
   NpyArray out{.shape = {.name = name}, .begin = from + length};
   out.element = header.element();
   out.shape.shape = header.shape();

@@ -12,18 +12,12 @@
 #include "io/text/text.hpp"
 #include "io/text/text_lines.hpp"
 #include "io/text/text_number.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
 
 constexpr double kMostPoints = 1e8;
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
 
 /// The line with each run of blanks replaced by one blank.
 std::string collapsed(std::string_view text) {
@@ -113,9 +107,10 @@ void leave_out(Columns& table, const Wanted& wanted) {
     if (!wanted(table, c)) table.columns[c].values = {};
 }
 
-class Reader {
+class RecordReader {
  public:
-  Reader(std::string_view text, const std::filesystem::path& name) : lines(text), name_(name) {}
+  RecordReader(std::string_view text, const std::filesystem::path& name)
+      : lines(text), name_(name) {}
 
   [[noreturn]] void corrupt(const std::string& why) const {
     throw FileError(FileError::Kind::corrupt, name_, Place{.line = lines.number}, why);
@@ -167,7 +162,7 @@ bool is_valid_sampling(double points, double step) {
 }  // namespace
 
 Columns parse_peer(std::string bytes, const std::filesystem::path& name, const Wanted& wanted) {
-  Reader in(bytes, name);
+  RecordReader in(bytes, name);
   constexpr int kHeaderLines = 12;
   std::string quantity = "acceleration", unit;
   double points = 0.0, step = 0.0;
@@ -210,7 +205,7 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
       {"points of veloc data", "velocity"},
       {"points of displ data", "displacement"}};
   constexpr std::size_t kWidth = 10;  // used if the header gives no width
-  Reader in(bytes, name);
+  RecordReader in(bytes, name);
   Columns out{.file = name.string()};
   std::vector<std::string> channels;  // one per column except time
   std::string channel;

@@ -101,9 +101,9 @@ std::vector<std::string> names_of(std::string_view path) {
   return out;
 }
 
-class Parser {
+class TdmsParser {
  public:
-  Parser(const std::string& bytes, const std::filesystem::path& name)
+  TdmsParser(const std::string& bytes, const std::filesystem::path& name)
       : bytes_(bytes), name_(name) {}
 
   void parse() {
@@ -380,7 +380,7 @@ struct Clock {
 }  // namespace
 
 Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const Wanted& wanted) {
-  Parser parser(bytes, name);
+  TdmsParser parser(bytes, name);
   parser.parse();
   Columns out{.file = name.string()};
   if (parser.cut()) out.others.emplace_back("incomplete rows (left out)");

@@ -17,7 +17,7 @@ constexpr std::uint64_t kEndSize = 22, kEntrySize = 46, kLocalSize = 30, kLocato
 constexpr std::uint64_t kLongestComment = 65535;
 constexpr std::size_t kMostMembers = 100'000;
 constexpr std::uint64_t kMostInflated = 1032;  // largest compression ratio of deflate
-constexpr std::string_view kEnd("PK\5\6", 4), kEntry("PK\1\2", 4), kLocal("PK\3\4", 4),
+constexpr std::string_view kEndRecord("PK\5\6", 4), kEntry("PK\1\2", 4), kLocal("PK\3\4", 4),
     kEnd64("PK\6\6", 4), kLocator("PK\6\7", 4);
 
 /// Inflates a deflate stream without header; empty if its length is not the stated length.
@@ -67,11 +67,11 @@ std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
 }
 
 void ZipArchive::read_directory() {
-  if (!bytes_.starts_with(kLocal) && !bytes_.starts_with(kEnd))
+  if (!bytes_.starts_with(kLocal) && !bytes_.starts_with(kEndRecord))
     throw FileError(FileError::Kind::foreign, name_, "is not a ZIP archive");
   const std::size_t from =
       bytes_.size() - std::min<std::size_t>(bytes_.size(), kEndSize + kLongestComment);
-  const std::size_t end = bytes_.rfind(kEnd);
+  const std::size_t end = bytes_.rfind(kEndRecord);
   if (end == std::string_view::npos || end < from || bytes_.size() - end < kEndSize)
     corrupt("is truncated: the directory at the end of its ZIP archive is missing");
   std::uint64_t count = number(end + 10, 2), at = number(end + 16, 4);

@@ -55,9 +55,9 @@ bool inflates(std::ifstream& file, std::uintmax_t bytes, std::string& head) {
 }
 
 /// Reads the first fields of a variable: flags, then texts.
-class Fields {
+class ElementFields {
  public:
-  Fields(std::string_view bytes, bool little) : bytes_(bytes), little_(little) {}
+  ElementFields(std::string_view bytes, bool little) : bytes_(bytes), little_(little) {}
 
   /// The data of the next field, which is padded to 8 bytes. Up to 4 data bytes are stored within
   /// the tag. Empty if truncated.
@@ -87,10 +87,10 @@ class Fields {
 /// Reads a variable that is an object: flags of class 17, then its name, "MCOS" and its class.
 std::optional<MatlabObject> object_of(std::string_view variable, bool little) {
   constexpr std::uint64_t kOpaque = 17;
-  Fields fields(variable, little);
+  ElementFields fields(variable, little);
   const std::string_view flags = fields.next();
   if (flags.size() != 8) return {};
-  if (const Fields word(flags, little); (word.number(0) & 0xFFU) != kOpaque) return {};
+  if (const ElementFields word(flags, little); (word.number(0) & 0xFFU) != kOpaque) return {};
   MatlabObject out{.name = std::string(fields.next()), .class_name = {}};
   static_cast<void>(fields.next());
   out.class_name = std::string(fields.next());

@@ -17,6 +17,7 @@
 #include "io/netcdf/hdf5_storage.hpp"
 #include "io/netcdf/netcdf_library.hpp"
 #include "io/read_apart.hpp"
+#include "io/text/words.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -75,13 +76,6 @@ class Lines {
   std::size_t at_ = 0;
   std::ptrdiff_t line_ = 0;
 };
-
-std::string lower(std::string_view word) {
-  std::string out(word);
-  std::ranges::transform(out, out.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
 
 /// Reads a whole number in [lowest, highest].
 long long whole(const Lines& lines, std::string_view word, const std::string& what,

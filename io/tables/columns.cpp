@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <charconv>
 
+#include "io/text/words.hpp"
+
 namespace wheeltap::io {
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Column column_of_header(std::string_view header) {
   Column column{.header = std::string(header), .name = std::string(header)};

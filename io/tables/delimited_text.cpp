@@ -8,6 +8,7 @@
 #include "io/tables/stamp_column.hpp"
 #include "io/text/text.hpp"
 #include "io/text/text_cells.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -18,12 +19,6 @@ constexpr int kBodyRows = 100;  // rows from the middle of a long text
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
 }
 
 std::string shown(std::string_view text) {
@@ -87,10 +82,8 @@ std::string without_utf16(std::string text) {
 
 /// True if the name of a column says that it contains times.
 bool named_as_time(std::string_view name) {
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower.starts_with("time") || lower.starts_with("date") || lower.ends_with("time");
+  const std::string word = lower(name);
+  return word.starts_with("time") || word.starts_with("date") || word.ends_with("time");
 }
 
 /// Returns the separator that a line "sep=;" states for spreadsheets.

@@ -4,23 +4,10 @@
 
 #include "io/text/text.hpp"
 #include "io/text/text_number.hpp"
+#include "io/text/words.hpp"
 
 namespace wheeltap::io {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
 
 /// True for a mark for "no unit". "TS" and "RN" are in the line of units of Campbell's loggers.
 bool is_neutral(std::string_view cell) {
@@ -52,10 +39,6 @@ std::vector<std::string> wide_cells(std::string_view line) {
     line = trimmed(line.substr(end));
   }
   return out;
-}
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
 }
 
 }  // namespace

@@ -5,12 +5,10 @@
 #include <cstdint>
 #include <string>
 
+#include "io/text/words.hpp"
+
 namespace wheeltap::io {
 namespace {
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 bool is_exponent_mark(char c) {
   return c == 'e' || c == 'E' || c == 'd' || c == 'D';

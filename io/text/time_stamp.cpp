@@ -5,14 +5,12 @@
 #include <cstdio>
 #include <vector>
 
+#include "io/text/words.hpp"
+
 namespace wheeltap::io {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -13,16 +13,10 @@
 #include "io/file_error.hpp"
 #include "io/tables/delimited_text.hpp"
 #include "io/text/text.hpp"
+#include "io/text/words.hpp"
 #include "io/universal/universal_file.hpp"
 
 namespace wheeltap::io::universal {
-
-inline std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n\0";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 inline std::string text_of(std::string_view raw) {
   return in_utf8(trimmed(raw));

@@ -229,9 +229,10 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   Findings findings = found_in(posterior);
   conclude(findings, coin_space(), {});
   ASSERT_EQ(findings.remarks.size(), 2U);
-  EXPECT_THAT(sentence(findings.remarks[0], {}),
-              HasSubstr("The posterior nearly equals the prior: the data contain little information "
-                        "about location[1] under \"1 damage\""));
+  EXPECT_THAT(
+      sentence(findings.remarks[0], {}),
+      HasSubstr("The posterior nearly equals the prior: the data contain little information "
+                "about location[1] under \"1 damage\""));
   EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 parameter vectors"));
 }
 

@@ -1,7 +1,6 @@
 #include "apps/cases/records/csv_frequencies.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -13,17 +12,12 @@
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
 #include "io/tables/delimited_text.hpp"
+#include "io/text/words.hpp"
 #include "signals/units.hpp"
 
 namespace wheeltap::apps {
 
 namespace {
-
-std::string in_lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// The cells of a delimited text with a header line, as frequencies in Hz. Errors state the line
 /// and the column.
@@ -98,7 +92,7 @@ class FrequencyText {
   [[nodiscard]] std::optional<std::size_t> mode_column() const {
     for (const char* const name : {"mode", "number"})
       for (std::size_t c = 0; c < headers().size(); ++c)
-        if (in_lower_case(headers()[c].name) == name && headers()[c].unit.empty()) return c;
+        if (io::lower(headers()[c].name) == name && headers()[c].unit.empty()) return c;
     return {};
   }
   /// The mode number in a cell. Throws Failure for a cell that is not a whole number.

@@ -193,8 +193,9 @@ MatrixXd dense(const ModeSearch& s, Index count) {
 /// `wanted` lowest of these are correct to rounding.
 Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Index wanted) {
   // Squared residual in the norm of (K + u M)⁻¹, divided by λ. By Temple's bound, this is the
-  // relative error of λ, apart from λ / gap. Below kRounding, no further improvement is possible.
-  constexpr double kRounding = 1e-18;
+  // relative error of λ, apart from λ / gap. Below kRoundingOfMode, no further improvement is
+  // possible.
+  constexpr double kRoundingOfMode = 1e-18;
   constexpr double kLost = 1e-12;  // share of a Ritz value
   const Discretisation& d = s.d;
   Ritz ritz = rayleigh_ritz(d, orthonormal(d.mass, s.rigid, vectors));
@@ -208,7 +209,7 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
     bool settled = true;
     for (Index i = 0; i < m; ++i) {
       const double squared = residuals.col(i).dot(corrections.col(i)) / std::abs(ritz.values[i]);
-      settled &= i >= wanted || squared < kRounding;
+      settled &= i >= wanted || squared < kRoundingOfMode;
       // A correction far below rounding errors has no meaning.
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
     }

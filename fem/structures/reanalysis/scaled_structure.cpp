@@ -16,7 +16,7 @@ using Sparse = Discretisation::Sparse;
 /// Relative difference below which entries of a matrix are equal within rounding.
 constexpr double kEqual = 1e-9;
 /// Relative eigenvalue of a change of mass that counts as zero.
-constexpr double kNoMass = 1e-13;
+constexpr double kZeroComponent = 1e-13;
 /// Largest number of degrees of freedom whose mass may change.
 constexpr std::size_t kMostDofs = 24;
 /// Relative change of a scaled stiffness that is a rounding error.
@@ -73,10 +73,10 @@ std::optional<std::vector<Motion>> low_rank(const Sparse& slope, double ratio, c
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
   for (Index k = 0; k < n; ++k) {
-    if (std::abs(solver.eigenvalues()[k]) <= kNoMass * largest) continue;
+    if (std::abs(solver.eigenvalues()[k]) <= kZeroComponent * largest) continue;
     Motion motion{.row = {}, .mass = solver.eigenvalues()[k]};
     for (Index i = 0; i < n; ++i)
-      if (const double c = solver.eigenvectors()(i, k); std::abs(c) > kNoMass) {
+      if (const double c = solver.eigenvectors()(i, k); std::abs(c) > kZeroComponent) {
         motion.row.dofs.push_back(dofs[index(i)]);
         motion.row.coefficients.push_back(c);
       }

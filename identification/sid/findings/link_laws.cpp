@@ -179,21 +179,20 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
                                             const dynamics::Link& link,
                                             const std::vector<double>& theta,
                                             Eigen::VectorXd extension, Eigen::VectorXd rate) {
-  using Role = SidChannel::Role;
   const SidCase& sid_case = problem.sid_case;
   const int mass = std::max(link.a, link.b);
   const auto holds = [&](const dynamics::Link& l) { return l.a == mass || l.b == mass; };
   if (std::min(link.a, link.b) != 0 || std::ranges::count_if(chain.links, holds) != 1) return {};
   const double sign = link.b == mass ? 1.0 : -1.0;  // e = y_b - y_a
-  const bool moving = sid_case.find(Role::base_acceleration) != nullptr ||
-                      sid_case.find(Role::base_displacement) != nullptr;
+  const bool moving = sid_case.find(SidChannel::Role::base_acceleration) != nullptr ||
+                      sid_case.find(SidChannel::Role::base_displacement) != nullptr;
   const SidChannel* sensor = nullptr;
   for (const SidChannel* channel : sid_case.responses()) {
     if (channel->mass == mass && (sensor == nullptr || channel->quantity > sensor->quantity)) {
       sensor = channel;
     }
   }
-  const SidChannel* base = sid_case.find(Role::base_acceleration);
+  const SidChannel* base = sid_case.find(SidChannel::Role::base_acceleration);
   if (sensor == nullptr || extension.size() < 4 || (moving && base == nullptr)) return {};
   const Eigen::Index n = extension.size();
   Eigen::VectorXd measured(n);
@@ -229,7 +228,7 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const double m = chain.masses[static_cast<std::size_t>(mass - 1)].at(theta);
   Eigen::VectorXd force = -m * acceleration;
   for (const SidChannel& channel : sid_case.channels) {
-    if (channel.role == Role::force && channel.mass == mass) {
+    if (channel.role == SidChannel::Role::force && channel.mass == mass) {
       force += averaged(channel);
     }
   }

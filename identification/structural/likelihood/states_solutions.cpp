@@ -17,7 +17,7 @@ using Modes = fem::ParametricModes::Modes;
 
 namespace {
 
-constexpr int kPriorDraws = 200;          // prior draws that test the parameters' form
+constexpr int kFormDraws = 200;           // prior draws that test the parameters' form
 constexpr double kSameEigenvalue = 1e-7;  // relative difference, reanalysis to full solution
 
 const std::vector<PlacedDefect> kNoDefects;
@@ -35,7 +35,7 @@ void StatesLikelihood::try_reanalysis(const fem::Beam* beam) {
            states_->list[static_cast<std::size_t>(group.states[0])].masses.empty();
   });
   reanalysed_ = ReanalysedModes::make(states_->model, kinds_, modes, as_beam ? beam : nullptr,
-                                      prior_draws(*states_->model, kPriorDraws));
+                                      prior_draws(*states_->model, kFormDraws));
   for (const Group& group : groups_)
     for (int i = 0; i < kReanalysed && reanalysed_; ++i)
       if (!agrees_with_full(group, i)) reanalysed_ = nullptr;
