@@ -18,7 +18,7 @@ std::size_t last_before(std::string_view text, std::size_t at) {
 
 /// The digits, signs and decimal points next to position `at`.
 std::string_view number_around(std::string_view text, std::size_t at) {
-  const auto of_number = [](char c) { return is_digit(c) || c == '.' || c == '-' || c == '+'; };
+  const auto of_number = [](char c) { return io::is_digit(c) || c == '.' || c == '-' || c == '+'; };
   std::size_t first = at, last = at;
   while (first > 0 && of_number(text[first - 1])) --first;
   while (last < text.size() && of_number(text[last])) ++last;
@@ -62,10 +62,10 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
     return ahead == ':' ? "; write a number, or leave out the key: JSON has no NaN"
                         : "; write a number, or null for a mode not measured";
   // "length": 0,9 is parsed as a number, a comma, and a number in place of a key.
-  if (is_digit(here) || here == '-') {
+  if (io::is_digit(here) || here == '-') {
     const std::size_t comma = last_before(text, at);
     if (comma != std::string_view::npos && text[comma] == ',' && comma > 0 &&
-        is_digit(text[comma - 1]) && comma + 1 == at) {
+        io::is_digit(text[comma - 1]) && comma + 1 == at) {
       const std::string number =
           std::string(number_around(text, comma)) + "," + std::string(number_around(text, at));
       if (const auto value = written_number(number))
@@ -93,7 +93,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
   const std::size_t value_end =
       here == '"' && start != std::string_view::npos ? last_before(text, start) : previous;
   if (here == '"' && value_end != std::string_view::npos &&
-      (is_digit(text[value_end]) ||
+      (io::is_digit(text[value_end]) ||
        std::string_view("\"]}el").find(text[value_end]) != std::string_view::npos))
     return "; a comma is missing before it";
   if ((here == '{' || here == '[') && last_before(text, at) != std::string_view::npos &&
