@@ -37,7 +37,9 @@ Report json(const Marginal& e) {
           {"mode", e.mode},
           {"ess_bulk", finite(e.ess_bulk)},
           {"ess_tail", finite(e.ess_tail)},
-          {"rhat", finite(e.rhat)}};
+          {"rhat", finite(e.rhat)},
+          {"mcse_mean", finite(e.mcse_mean)},
+          {"mcse_sd", finite(e.mcse_sd)}};
 }
 
 Report json(const BetweenWindows& between) {

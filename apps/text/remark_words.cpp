@@ -97,6 +97,20 @@ class Speaker {
            ". Such a posterior repeats the assumptions of the case; do not report it as a result.";
   }
 
+  std::string operator()(const remark::UncertainSpread& r) const {
+    constexpr std::size_t kNamed = 6;
+    std::vector<std::string> loose;
+    for (const auto& p : r.parameters) {
+      if (loose.size() == kNamed) {
+        loose.push_back(std::to_string(r.parameters.size() - kNamed) + " more");
+        break;
+      }
+      loose.push_back(p.name + " under \"" + p.model + "\" (" + percent(p.error) + ")");
+    }
+    return "Rare draws far from the others determine the standard deviation of " + in_words(loose) +
+           ": in brackets, its Monte Carlo standard error. A second solution of small probability "
+           "has this effect. Report quantiles, or use more --draws.";
+  }
   std::string operator()(const remark::ImplausibleMaterial& r) const { return sentence(r); }
   std::string operator()(const remark::DeepSection& r) const { return sentence(r); }
   std::string operator()(const remark::TwinMembers& r) const { return sentence(r); }
@@ -460,6 +474,7 @@ struct Rank {
   int operator()(const remark::RivalPlaces&) const { return 2; }
   int operator()(const remark::WindowsUnsound&) const { return 3; }
   int operator()(const remark::NearlyPrior&) const { return 4; }
+  int operator()(const remark::UncertainSpread&) const { return 4; }
   int operator()(const remark::NeighbouringDamages&) const { return 1; }
   int operator()(const remark::LargestCount&) const { return 4; }
   int operator()(const remark::SeverityAtBound&) const { return 4; }

@@ -68,6 +68,20 @@ void judge_priors(Findings& findings) {
   if (!nearly.parameters.empty()) findings.remarks.push_back(std::move(nearly));
 }
 
+/// Lists the parameters of models above kWorthDescribing whose standard deviation has a large Monte
+/// Carlo error.
+void judge_spreads(Findings& findings) {
+  remark::UncertainSpread uncertain;
+  for (const ModelFinding& model : findings.models) {
+    if (model.probability() < kWorthDescribing) continue;
+    for (const ParameterFinding& p : model.parameters) {
+      if (const Marginal& e = p.estimate; e.mcse_sd > kUncertainSpread * e.sd)
+        uncertain.parameters.push_back({model.name, p.unknown.label, e.mcse_sd / e.sd});
+    }
+  }
+  if (!uncertain.parameters.empty()) findings.remarks.push_back(std::move(uncertain));
+}
+
 }  // namespace
 
 std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models) {
@@ -274,6 +288,7 @@ void conclude(Findings& findings, const inference::ModelSpace& space,
     findings.evidence.push_back(std::move(found));
   }
   judge_priors(findings);
+  judge_spreads(findings);
   if (findings.sampling.impossible > 0) {
     findings.remarks.push_back(remark::ImpossibleLikelihoods{
         findings.sampling.impossible, findings.sampling.likelihood_evaluations});

@@ -119,8 +119,10 @@ Marginal marginal(const ChainsOf& chains, const ChainsOf& weights) {
     for (const double p : levels) q.push_back(weighted_quantile(pairs, p));
   }
   inference::Convergence judged{kNaN, kNaN, kNaN, kNaN, kNaN};
+  double mcse_sd = kNaN;
   if (const ChainsOf equal = equal_lengths(chains); !equal.empty()) {
     judged = inference::convergence(equal);
+    mcse_sd = inference::mcse_sd(equal);
   }
   return {.mean = mean,
           .sd = n > 1.0 ? std::sqrt(squares / total * n / (n - 1.0)) : 0.0,
@@ -130,7 +132,9 @@ Marginal marginal(const ChainsOf& chains, const ChainsOf& weights) {
           .mode = histogram_mode(values, weight, q.front(), q.back(), q[4] - q[2]),
           .ess_bulk = judged.ess_bulk,
           .ess_tail = judged.ess_tail,
-          .rhat = judged.rhat};
+          .rhat = judged.rhat,
+          .mcse_mean = judged.mcse_mean,
+          .mcse_sd = mcse_sd};
 }
 
 }  // namespace wheeltap::identification

@@ -21,6 +21,8 @@ struct Marginal {
   /// Midpoint of the histogram bin with the most draws; bin width by Freedman & Diaconis (1981)
   double mode = 0.0;
   double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
+  /// Monte Carlo standard errors of `mean` and `sd`
+  double mcse_mean = 0.0, mcse_sd = 0.0;
 
   /// Width of the 95 % credible interval
   [[nodiscard]] double width() const { return q97_5 - q2_5; }

@@ -49,6 +49,16 @@ struct NearlyPrior {
   std::vector<Parameter> parameters;
 };
 
+/// Parameters whose standard deviation is determined by rare draws far away: its Monte Carlo
+/// standard error is more than kUncertainSpread of it.
+struct UncertainSpread {
+  struct Parameter {
+    std::string model, name;
+    double error;  ///< Monte Carlo standard error of the standard deviation, as a fraction of it
+  };
+  std::vector<Parameter> parameters;
+};
+
 // ---- structures ---------------------------------------------------------------------------
 
 /// A material property outside the range of real materials. The unit is probably wrong.
@@ -352,23 +362,25 @@ struct SpuriousMode {
 /// Smallest probability at which a spurious mode is reported.
 inline constexpr double kSpurious = 0.05;
 
+/// Smallest relative Monte Carlo error of a standard deviation that is reported.
+inline constexpr double kUncertainSpread = 0.15;
+
 /// All types of remarks.
-using RemarkVariant =
-    std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
-                 remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection,
-                 remark::TwinMembers, remark::UnusedNodes, remark::CrossingMembers,
-                 remark::SensorsAtOnePlace, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
-                 remark::MirrorImages, remark::StructureImages, remark::RivalPlaces,
-                 remark::FittedNotTested, remark::CannotExclude, remark::NoModelFits,
-                 remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
-                 remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
-                 remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
-                 remark::LinearExcitation, remark::UnevenTime, remark::UnknownUnits,
-                 remark::BaseIntegrated, remark::MostlyNoise, remark::InitialStateInferred,
-                 remark::StepsTooLong, remark::MeansDoNotGoTogether, remark::NoiseMisstated,
-                 remark::MostProbableFails, remark::ColouredResiduals, remark::ParameterAtBound,
-                 remark::ScatterBetweenWindows, remark::WindowsUnsound,
-                 remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
+using RemarkVariant = std::variant<
+    remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
+    remark::NearlyPrior, remark::UncertainSpread, remark::ImplausibleMaterial, remark::DeepSection,
+    remark::TwinMembers, remark::UnusedNodes, remark::CrossingMembers, remark::SensorsAtOnePlace,
+    remark::FrequenciesOutOfReach, remark::NoiseHidesDamage, remark::MirrorImages,
+    remark::StructureImages, remark::RivalPlaces, remark::FittedNotTested, remark::CannotExclude,
+    remark::NoModelFits, remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
+    remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
+    remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
+    remark::LinearExcitation, remark::UnevenTime, remark::UnknownUnits, remark::BaseIntegrated,
+    remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
+    remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
+    remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
+    remark::WindowsUnsound, remark::ChangesTakenForExact, remark::SpuriousMode,
+    remark::StopNotReached>;
 
 /// A remark on a result. std::visit, std::get_if and std::holds_alternative accept a Remark as
 /// they accept the variant. Copies, moves and the destructor are compiled once, in remarks.cpp,

@@ -335,6 +335,15 @@ double ess_mean(const ChainsOf& draws) {
   return s.valid ? basic_ess(s) : kNaN;
 }
 
+double mcse_sd(const ChainsOf& draws) {
+  Split s = split(draws);
+  if (!s.valid) return kNaN;
+  if (constant(s)) return 0.0;
+  const double mean = mean_of(s.values);
+  for (double& x : s.values) x = (x - mean) * (x - mean);
+  return mcse(s, basic_ess(s)) / (2.0 * std::sqrt(mean_of(s.values)));
+}
+
 double mcse_mean(const ChainsOf& draws) {
   const Split s = split(draws);
   return s.valid ? mcse(s, basic_ess(s)) : kNaN;

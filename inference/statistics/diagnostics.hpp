@@ -29,6 +29,10 @@ using ChainsOf = std::vector<std::vector<double>>;
 [[nodiscard]] double ess_mean(const ChainsOf& draws);
 /// Monte Carlo standard error of the mean, sd / √ess_mean; 0 for a constant.
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);
+/// Monte Carlo standard error of the standard deviation s, √(var(d²) / ess_mean(d²)) / (2 s) with
+/// the deviations d from the mean (delta method); 0 for a constant. It is large if rare draws far
+/// away determine s, which R-hat of ranks does not show.
+[[nodiscard]] double mcse_sd(const ChainsOf& draws);
 /// Mean over the draws of all chains, whose lengths may differ; NaN without draws.
 [[nodiscard]] double mean(const ChainsOf& draws);
 
