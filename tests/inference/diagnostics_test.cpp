@@ -204,6 +204,31 @@ TEST(Diagnostics, StandardErrorOfTheMeanIsCalibrated) {
   EXPECT_NEAR(sum / kReplicates, 1.0, 4.0 * std::sqrt(2.0 / kReplicates));
 }
 
+TEST(Diagnostics, StandardErrorOfTheSpreadIsCalibrated) {
+  // The correlation of AR(1) draws does not bias their sd by more than a hundredth of its error.
+  constexpr int kReplicates = 300;
+  double sum = 0.0, true_sd = 0.0;
+  std::vector<double> sds, errors;
+  for (int r = 0; r < kReplicates; ++r) {
+    const ChainsOf chains = autoregressive(0.8, 4, 1000, static_cast<std::uint64_t>(500 + r));
+    sds.push_back(std::sqrt(naive::variance(naive::pooled(chains))));
+    errors.push_back(mcse_sd(chains));
+    true_sd += sds.back() / kReplicates;
+  }
+  for (std::size_t r = 0; r < sds.size(); ++r) sum += std::pow((sds[r] - true_sd) / errors[r], 2.0);
+  EXPECT_NEAR(sum / kReplicates, 1.0, 4.0 * std::sqrt(2.0 / kReplicates));
+}
+
+// One visit of 40 draws in 4000 to a point 10 standard deviations away determines the sd.
+TEST(Diagnostics, RareDrawsMakeTheSpreadUncertain) {
+  ChainsOf chains = autoregressive(0.0, 4, 1000, 9);
+  const double before = mcse_sd(chains) / std::sqrt(naive::variance(naive::pooled(chains)));
+  for (std::size_t i = 300; i < 340; ++i) chains[1][i] += 10.0;
+  const double after = mcse_sd(chains) / std::sqrt(naive::variance(naive::pooled(chains)));
+  EXPECT_LT(before, 0.02);
+  EXPECT_GT(after, 0.15);
+}
+
 TEST(Diagnostics, AntitheticChainsAreCapped) {
   ChainsOf alternating(4, std::vector<double>(1000));
   for (std::size_t c = 0; c < 4; ++c)
@@ -233,6 +258,7 @@ TEST(Diagnostics, DegenerateInput) {
   EXPECT_EQ(ess_bulk(constant), 150.0);
   EXPECT_EQ(ess_mean(constant), 150.0);
   EXPECT_EQ(mcse_mean(constant), 0.0);
+  EXPECT_EQ(mcse_sd(constant), 0.0);
   ChainsOf stuck = constant;
   stuck[1].assign(50, 2.0);
   EXPECT_EQ(rhat(stuck), kInfinity);
