@@ -72,13 +72,14 @@ function(wheeltap_rooms out)
   set(${out} ${rooms} PARENT_SCOPE)
 endfunction()
 
-# wheeltap_unity(<target> ALONE <file>… TOGETHER "<folder> <folder>"…): under CMAKE_UNITY_BUILD (presets of users and of
+# wheeltap_unity(<target> SIZE <files> ALONE <file>… TOGETHER "<folder> <folder>"…): under CMAKE_UNITY_BUILD (presets of users and of
 # CI, not `dev`) several files are compiled as one, in less than half the time. Each argument of TOGETHER names folders
 # whose files form one group: files with the same includes share their templates ("." are files without a folder).
-# Other files are distributed over groups by a hash of their names, so that a new file leaves the others where they were.
+# Other files are distributed over groups of SIZE to twice as many files by a hash of their names, so that a new file leaves
+# the others where they were.
 # The files of ALONE, whose own names clash with those of others, are compiled alone.
 function(wheeltap_unity target)
-  cmake_parse_arguments(ARG "" "" "ALONE;TOGETHER" ${ARGN})
+  cmake_parse_arguments(ARG "" "SIZE" "ALONE;TOGETHER" ${ARGN})
   set(together 0)
   foreach(folders IN LISTS ARG_TOGETHER)
     string(REPLACE " " ";" folders "${folders}")
@@ -90,7 +91,7 @@ function(wheeltap_unity target)
   get_target_property(sources ${target} SOURCES)
   list(LENGTH sources count)
   set(groups 1)
-  while(groups LESS_EQUAL 32 AND NOT count LESS 100)
+  while(groups LESS_EQUAL 32 AND NOT count LESS ${ARG_SIZE})
     math(EXPR groups "2 * ${groups}")
     math(EXPR count "${count} / 2")
   endwhile()
@@ -137,7 +138,7 @@ function(wheeltap_library folder)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:wheeltap_flags>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} CXX_EXTENSIONS OFF
     POSITION_INDEPENDENT_CODE ON)
-  wheeltap_unity(${target} ALONE ${ARG_ALONE} TOGETHER ${ARG_TOGETHER})
+  wheeltap_unity(${target} SIZE 100 ALONE ${ARG_ALONE} TOGETHER ${ARG_TOGETHER})
 endfunction()
 
 # wheeltap_kernels(<target> <stem> [ONE_SANITIZED] [PLAIN]): <stem>_baseline.cpp and, on x86, <stem>_avx2.cpp and <stem>_avx512.cpp,
@@ -193,5 +194,5 @@ function(wheeltap_program name)
   target_compile_features(${name} PRIVATE cxx_std_20)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} wheeltap_flags)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
-  wheeltap_unity(${name} ALONE ${ARG_ALONE})
+  wheeltap_unity(${name} SIZE 40 ALONE ${ARG_ALONE})
 endfunction()
