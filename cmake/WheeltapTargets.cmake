@@ -75,7 +75,7 @@ endfunction()
 # wheeltap_unity(<target> SIZE <files> ALONE <file>… TOGETHER "<folder> <folder>"…): under CMAKE_UNITY_BUILD (presets of users and of
 # CI, not `dev`) several files are compiled as one, in less than half the time. Each argument of TOGETHER names folders
 # whose files form one group: files with the same includes share their templates ("." are files without a folder).
-# Other files are distributed over groups of SIZE to twice as many files by a hash of their names, so that a new file leaves
+# Other files are distributed over groups of fewer than SIZE files by a hash of their names, so that a new file leaves
 # the others where they were.
 # The files of ALONE, whose own names clash with those of others, are compiled alone.
 function(wheeltap_unity target)

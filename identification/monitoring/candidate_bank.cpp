@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-const detail::CandidateKernel& kernel() {
+const detail::CandidateKernel& candidate_kernel() {
   static const detail::CandidateKernel* const widest = [] {
     base::Compiled<detail::CandidateKernel> compiled{.baseline = &detail::kBaselineCandidates};
 #ifdef WHEELTAP_X86_KERNELS
@@ -128,7 +128,7 @@ void CandidateBank::begin(int draw, const RowStart& row) {
   for (int size = 0; size < kSizes; ++size)
     for (int j = 0; j < at.features; ++j)
       inverse_prior_[index(size * at.features + j)] = 1.0 / prior_variance_(j, size);
-  kernel().begin(
+  candidate_kernel().begin(
       tiles(draw),
       {.h = h_.data(), .fast = row.fast, .slow = row.slow, .is_present = row.present.data()});
 }
@@ -142,7 +142,7 @@ double CandidateBank::score(int j, double v, double s) {
   for (int e = 0; e < entries_; ++e)
     along_.push_back(h_.dot(
         Eigen::Map<const VectorXd>(gains_.data() + e * at.states() + j * at.block, at.block)));
-  return kernel().score(tiles(draw_), {.j = j,
+  return candidate_kernel().score(tiles(draw_), {.j = j,
                                        .e = entries_,
                                        .v = v,
                                        .s = s,
@@ -152,7 +152,7 @@ double CandidateBank::score(int j, double v, double s) {
 }
 
 void CandidateBank::update(double inflated, const VectorXd& gain) {
-  kernel().update(tiles(draw_),
+  candidate_kernel().update(tiles(draw_),
                   {.j = feature_,
                    .e = entries_,
                    .v = v_,
@@ -166,7 +166,7 @@ void CandidateBank::update(double inflated, const VectorXd& gain) {
 }
 
 void CandidateBank::finish() {
-  kernel().finish(tiles(draw_), entries_, degrees_, gains_.data());
+  candidate_kernel().finish(tiles(draw_), entries_, degrees_, gains_.data());
 }
 
 std::vector<double> CandidateBank::weigh(const VectorXd& unshifted, double share) {
@@ -183,11 +183,11 @@ std::vector<double> CandidateBank::weigh(const VectorXd& unshifted, double share
   std::vector<detail::CandidateTiles> all;
   for (int m = 0; m < draws; ++m) {
     all.push_back(tiles(m));
-    kernel().weigh(all.back(), unshifted[m] - most, reference.data());
+    candidate_kernel().weigh(all.back(), unshifted[m] - most, reference.data());
     for (int slot = 0; slot < slots(); ++slot)
       totals[index(slot)] += at_slot(m, slot, layout(m).total());
   }
-  kernel().normalise(all.data(), draws, totals.data(), share);
+  candidate_kernel().normalise(all.data(), draws, totals.data(), share);
   std::vector<double> out(used_.size());
   for (std::size_t slot = 0; slot < out.size(); ++slot)
     out[slot] = most + reference[slot] + std::log(totals[slot]);

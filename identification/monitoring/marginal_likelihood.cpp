@@ -100,7 +100,7 @@ MarginalLikelihood integrate(const MatrixXd& gram, double log_scales, double n,
   return out;
 }
 
-const detail::EvidenceKernel& kernel() {
+const detail::EvidenceKernel& evidence_kernel() {
   static const detail::EvidenceKernel* const widest = [] {
     base::Compiled<detail::EvidenceKernel> compiled{.baseline = &detail::kBaselineEvidence};
 #ifdef WHEELTAP_X86_KERNELS
@@ -173,7 +173,7 @@ std::vector<MarginalLikelihood> EvidenceData::operator()(
     double ratios[kLanes], log_scales[kLanes] = {};
     for (std::size_t l = 0; l < kLanes; ++l)
       ratios[l] = l < features ? fast_ratios[first + l] : 1.0;
-    kernel().accumulate({.rows = static_cast<int>(hours_.size()),
+    evidence_kernel().accumulate({.rows = static_cast<int>(hours_.size()),
                          .terms = static_cast<int>(k),
                          .table = terms.data(),
                          .values = values_[group].data(),
