@@ -143,24 +143,24 @@ double CandidateBank::score(int j, double v, double s) {
     along_.push_back(h_.dot(
         Eigen::Map<const VectorXd>(gains_.data() + e * at.states() + j * at.block, at.block)));
   return candidate_kernel().score(tiles(draw_), {.j = j,
-                                       .e = entries_,
-                                       .v = v,
-                                       .s = s,
-                                       .degrees = degrees_,
-                                       .along = along_.data(),
-                                       .prior = inverse_prior_.data()});
+                                                 .e = entries_,
+                                                 .v = v,
+                                                 .s = s,
+                                                 .degrees = degrees_,
+                                                 .along = along_.data(),
+                                                 .prior = inverse_prior_.data()});
 }
 
 void CandidateBank::update(double inflated, const VectorXd& gain) {
   candidate_kernel().update(tiles(draw_),
-                  {.j = feature_,
-                   .e = entries_,
-                   .v = v_,
-                   .s = s_,
-                   .degrees = degrees_,
-                   .along = along_.data(),
-                   .prior = inverse_prior_.data()},
-                  inflated);
+                            {.j = feature_,
+                             .e = entries_,
+                             .v = v_,
+                             .s = s_,
+                             .degrees = degrees_,
+                             .along = along_.data(),
+                             .prior = inverse_prior_.data()},
+                            inflated);
   gains_.insert(gains_.end(), gain.begin(), gain.end());
   ++entries_;
 }

@@ -174,16 +174,16 @@ std::vector<MarginalLikelihood> EvidenceData::operator()(
     for (std::size_t l = 0; l < kLanes; ++l)
       ratios[l] = l < features ? fast_ratios[first + l] : 1.0;
     evidence_kernel().accumulate({.rows = static_cast<int>(hours_.size()),
-                         .terms = static_cast<int>(k),
-                         .table = terms.data(),
-                         .values = values_[group].data(),
-                         .variance = variances_[group].data(),
-                         .fast_decay = fast_decay.data(),
-                         .slow_decay = slow_decay_.data(),
-                         .fast_ratio = ratios,
-                         .slow_ratio = slow_ratio},
-                        static_cast<int>(features),
-                        {.gram = sums.data(), .log_scales = log_scales});
+                                  .terms = static_cast<int>(k),
+                                  .table = terms.data(),
+                                  .values = values_[group].data(),
+                                  .variance = variances_[group].data(),
+                                  .fast_decay = fast_decay.data(),
+                                  .slow_decay = slow_decay_.data(),
+                                  .fast_ratio = ratios,
+                                  .slow_ratio = slow_ratio},
+                                 static_cast<int>(features),
+                                 {.gram = sums.data(), .log_scales = log_scales});
     for (std::size_t l = 0; l < features; ++l) {
       std::size_t at = l;
       for (Index a = 0; a <= k; ++a)
