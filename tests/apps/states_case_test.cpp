@@ -75,8 +75,8 @@ TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
     (*data)["discrepancy"] = {{"stiffness", {{"log_uniform", {0.01, 0.5}}}}};
   std::string out;
   const json summary = run(where, c, "damage", out);
-  EXPECT_THAT(out, HasSubstr("Inferred standard deviation of the model error: stiffnesses of the"));
-  EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("parts"));
+  EXPECT_THAT(out, HasSubstr("Inferred standard deviation of the model error: stiffnesses of "));
+  EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("members or links"));
   EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/data/discrepancy/stiffness");
   // Replicates include it: they scatter by more than the 1 % measurement error of the frequencies.
   const io::NetcdfReader file =

@@ -423,7 +423,7 @@ TEST(Checkpoint, RejectsACheckpointOfAnotherProblem) {
   EXPECT_THAT([&] { static_cast<void>(state_of(more, problem.space, 2)); },
               ThrowsMessage<CheckpointError>(HasSubstr("\"moon\"")));
   EXPECT_THAT([&] { static_cast<void>(state_of(good, problem.space, 3)); },
-              ThrowsMessage<CheckpointError>(HasSubstr("other chains")));
+              ThrowsMessage<CheckpointError>(HasSubstr("different chains")));
   EXPECT_THAT(
       [&] {
         static_cast<void>(state_of(good, toy::bump_space({1, 1}), 2));
