@@ -428,7 +428,7 @@ TEST(Checkpoint, RejectsACheckpointOfAnotherProblem) {
       [&] {
         static_cast<void>(state_of(good, toy::bump_space({1, 1}), 2));
       },
-      ThrowsMessage<CheckpointError>(HasSubstr("other models")));
+      ThrowsMessage<CheckpointError>(HasSubstr("different models")));
   // Other data: the same parameters have a different likelihood.
   EXPECT_THAT(
       [&] {
