@@ -496,7 +496,7 @@ TEST(SidCase, ASimulationChecksItsSteps) {
   const json yielding =
       simulated("bouc_wen", {{"stiffness", 500}, {"yield", 1e-8}, {"exponent", 10}}, 20.0);
   EXPECT_THAT(refusal(where, yielding),
-              testing::AllOf(HasSubstr("/truth"), HasSubstr("the shortest permitted steps")));
+              testing::AllOf(HasSubstr("/truth"), HasSubstr("the shortest permitted time steps")));
   for (const json& c : {simulated("bouc_wen", {{"stiffness", 500}, {"yield", 1e-3}}, 20.0),
                         simulated("quadratic_damping", 1000.0, 20.0)}) {
     ASSERT_EQ(refusal(where, c), "not refused");
