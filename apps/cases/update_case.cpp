@@ -35,7 +35,7 @@ void accept_update_cv(CaseFile& file) {
   }
 }
 
-void parse_truth(const CaseFile& f, UpdateCase& out) {
+void parse_update_truth(const CaseFile& f, UpdateCase& out) {
   const Json& truth = f.json.at(kUpdateTruth);
   ModalSimulation simulation{.parameters = {},
                              .modes = truth.value("modes", 5),
@@ -216,7 +216,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
     return parsed;
   }
   if (json.contains("data")) out.data = parse_modal_data(f, kUpdateData, out.structure->nominal);
-  if (json.contains("truth")) parse_truth(f, out);
+  if (json.contains("truth")) parse_update_truth(f, out);
   if (!alone) check_modes(f, out);
   if (needs == UpdateNeeds::structure) return parsed;
   const bool measured = out.data.modes() > 0;

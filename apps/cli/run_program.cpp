@@ -43,7 +43,7 @@ int printed() {
   return static_cast<int>(Exit::done);
 }
 
-std::string joined(int argc, char** argv) {
+std::string command_line_of(int argc, char** argv) {
   std::string line = "wheeltap";
   for (int i = 1; i < argc; ++i) {
     const std::string word = io::printable(argv[i]);
@@ -146,7 +146,7 @@ int run(const std::vector<Command>& commands, int argc, char** argv) {
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   Invocation asked;
-  asked.common.command_line = joined(argc, argv);
+  asked.common.command_line = command_line_of(argc, argv);
   asked.describe = [&app] { return text_of(app); };
   add_commands(commands, app, asked);
   try {

@@ -177,7 +177,8 @@ std::string figure(double x, double least = 0.0) {
   return std::abs(x) <= least ? "0" : significant(x, 6);
 }
 
-void print(const Found& found, const MeshedSection& section, const SectionMaterial& material) {
+void print_section(const Found& found, const MeshedSection& section,
+                   const SectionMaterial& material) {
   const fem::SectionAnalysis& a = section.analysis;
   const fem::SectionProperties& p = a.properties;
   const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
@@ -290,7 +291,7 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     if (options.json)
       std::cout << as_json(found, section, material).dump(2) << '\n';
     else
-      print(found, section, material);
+      print_section(found, section, material);
   } catch (const Failure& failure) {
     // The message must name the section's location in the case.
     std::string line = failure.what();

@@ -19,8 +19,8 @@ std::string with_unit(const std::string& name, const std::string& unit) {
 }
 
 /// The lowest and highest value of each column of pixels.
-std::string envelope(const Plot& plot, const std::vector<double>& values,
-                     const std::function<double(std::size_t)>& at) {
+std::string data_envelope(const Plot& plot, const std::vector<double>& values,
+                          const std::function<double(std::size_t)>& at) {
   std::string path;
   const std::size_t n = values.size(), columns = std::min(n, 2 * kColumns);
   bool begun = false;
@@ -57,7 +57,8 @@ std::string channel_history(const MeasuredTable& table, const MeasuredChannel& c
       !table.abscissa.empty() ? table.abscissa : (table.sample_rate_hz ? "time" : "sample");
   const Plot plot(at(0), at(n - 1), channel.quality.lowest, channel.quality.highest);
   return plot.drawn(channel.name + " over " + abscissa, with_unit(abscissa, unit),
-                    with_unit(channel.name, channel.unit), envelope(plot, channel.values, at), {});
+                    with_unit(channel.name, channel.unit), data_envelope(plot, channel.values, at),
+                    {});
 }
 
 std::string spectrum(const MeasuredChannel& channel) {
@@ -77,7 +78,7 @@ std::string spectrum(const MeasuredChannel& channel) {
   return plot.drawn(
       "power spectral density of " + channel.name, "frequency [Hz]",
       "dB re 1 " + (channel.unit.empty() ? std::string("unit") : channel.unit) + "²/Hz",
-      envelope(plot, level, [&](std::size_t i) { return s.frequencies_hz[i]; }), marks);
+      data_envelope(plot, level, [&](std::size_t i) { return s.frequencies_hz[i]; }), marks);
 }
 
 std::string table_in_words(const MeasuredTable& table) {
@@ -90,7 +91,7 @@ std::string table_in_words(const MeasuredTable& table) {
   return text;
 }
 
-std::string headline_of(const MeasuredFile& file) {
+std::string file_headline(const MeasuredFile& file) {
   if (file.tables.empty()) return "No table of measured channels";
   std::string text = table_in_words(file.tables[0]);
   if (file.tables.size() > 1)
@@ -98,7 +99,7 @@ std::string headline_of(const MeasuredFile& file) {
   return text;
 }
 
-std::vector<std::string> details_of(const MeasuredFile& file) {
+std::vector<std::string> file_details(const MeasuredFile& file) {
   std::size_t odd = 0;
   std::vector<std::string> names;
   for (const MeasuredTable& table : file.tables) {
@@ -121,7 +122,7 @@ std::vector<std::string> details_of(const MeasuredFile& file) {
 
 std::string data_page(const MeasuredFile& file) {
   const std::string title = file.path.filename().string();
-  std::string out = page_head(title, headline_of(file), details_of(file));
+  std::string out = page_head(title, file_headline(file), file_details(file));
   for (const MeasuredTable& table : file.tables) {
     if (file.tables.size() > 1) out += "<p>" + table_in_words(table) + ".</p>\n";
     for (const std::string& text : reading_in_words(table)) out += "<p>" + escaped(text) + "</p>\n";

@@ -204,7 +204,7 @@ std::string detection_curves(const Report& plan) {
          ".</p>\n";
 }
 
-std::string table_of(const Report& plan, const std::vector<const Report*>& rows, bool sensors) {
+std::string design_table(const Report& plan, const std::vector<const Report*>& rows, bool sensors) {
   std::string out = "<div class=\"scroll\"><table><tr><th>design</th>" +
                     std::string(sensors ? "<th>sensors</th>" : "") +
                     "<th>information [nat]</th><th>detected</th><th>right location</th></tr>\n";
@@ -243,7 +243,7 @@ std::string further_sensors(const Report& plan) {
   return "<h3>Number of sensors</h3>\n" +
          plot.framed("information by number of sensors", "sensors", "information [nat]",
                      polyline(plot, points, "line")) +
-         table_of(plan, pointers(path), true);
+         design_table(plan, pointers(path), true);
 }
 
 std::string value_section(const Report& plan) {
@@ -276,7 +276,7 @@ std::string plan_page(const Report& summary) {
   for (const Report& d : plan.at("others")) designs.push_back(&d);
   designs.push_back(&plan.at("frequencies_alone"));
   out +=
-      "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
+      "<h2>Ranking of designs</h2>\n" + design_table(plan, designs, true) +
       "<p>The designs are sorted by the probability of the right location. Information: expected "
       "information about count and location. Detected: P(at least one damage) exceeds a "
       "threshold. Tests of the intact structure exceed this threshold with the false-alarm "
@@ -286,8 +286,8 @@ std::string plan_page(const Report& summary) {
        {std::pair{"by_length", "Length of the record"}, std::pair{"by_modes", "Number of modes"},
         std::pair{"by_mass", "Added masses"}})
     if (!plan.at(key).empty())
-      out +=
-          "<h3>" + std::string(title) + "</h3>\n" + table_of(plan, pointers(plan.at(key)), false);
+      out += "<h3>" + std::string(title) + "</h3>\n" +
+             design_table(plan, pointers(plan.at(key)), false);
   out += value_section(plan);
   if (const std::string words = check_sentence(plan); !words.empty())
     out += "<h2>Check by the full engine</h2>\n<p>" + escaped(words) + "</p>\n";

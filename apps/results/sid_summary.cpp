@@ -14,7 +14,7 @@ using namespace identification;
 
 namespace {
 
-Report json(const ResidualWhiteness& whiteness) {
+Report whiteness_json(const ResidualWhiteness& whiteness) {
   return {{"test", "Ljung-Box"},
           {"of", whiteness.of_innovations ? "innovations" : "residuals"},
           {"lags", whiteness.lags},
@@ -26,7 +26,7 @@ Report json(const ResidualWhiteness& whiteness) {
           {"white", whiteness.white()}};
 }
 
-Report json(const std::vector<ChannelFit>& fits) {
+Report fits_json(const std::vector<ChannelFit>& fits) {
   Report rows = Report::array();
   for (const ChannelFit& fit : fits) {
     rows.push_back({{"channel", fit.channel},
@@ -36,12 +36,12 @@ Report json(const std::vector<ChannelFit>& fits) {
                     {"nrmse", finite(fit.nrmse)},
                     {"r2", finite(fit.r2)},
                     {"noise_sd", fit.noise_sd},
-                    {"whiteness", fit.whiteness ? json(*fit.whiteness) : Report()}});
+                    {"whiteness", fit.whiteness ? whiteness_json(*fit.whiteness) : Report()}});
   }
   return rows;
 }
 
-Report json(const std::vector<LinkCurve>& links) {
+Report links_json(const std::vector<LinkCurve>& links) {
   Report rows = Report::array();
   for (const LinkCurve& link : links) {
     rows.push_back({{"between", {link.a, link.b}},
@@ -79,7 +79,7 @@ Report links_report(const SidFindings& findings) {
   Report out = Report::object();
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const auto& found = findings.of_models[m];
-    if (found && found->links) out[findings.models[m].name] = json(*found->links);
+    if (found && found->links) out[findings.models[m].name] = links_json(*found->links);
   }
   return out;
 }
@@ -234,7 +234,7 @@ Report further_of(const SidCase& sid_case, const SidFindings& findings) {
          {"samples", {record.begin, record.end}},
          {"lead_in", record.lead_in},
          {"fit_at_best_draw", of_drawn(findings, [&](const SidModelFinding& f, std::size_t) {
-            return json(f.further[r]);
+            return fits_json(f.further[r]);
           })}});
   }
   return out;
@@ -280,7 +280,8 @@ Report bayes_factors_report(const SidFindings& findings) {
 }
 
 Report fits_report(const SidFindings& findings) {
-  return of_drawn(findings, [](const SidModelFinding& f, std::size_t) { return json(f.at_mean); });
+  return of_drawn(findings,
+                  [](const SidModelFinding& f, std::size_t) { return fits_json(f.at_mean); });
 }
 
 Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
@@ -309,8 +310,8 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"links", links_report(findings)},
       {"modes", modes_report(findings)},
       {"best_draw", best_draws(findings)},
-      {"fit_at_best_draw",
-       of_drawn(findings, [](const SidModelFinding& f, std::size_t) { return json(f.at_best); })},
+      {"fit_at_best_draw", of_drawn(findings, [](const SidModelFinding& f,
+                                                 std::size_t) { return fits_json(f.at_best); })},
       {"predictive", predictive_of(sid_case, findings)},
       {"data", data_of(parsed)},
       {"integration", integration_of(problem, findings)},

@@ -25,7 +25,7 @@ std::string standing(const Contraction& c) {
   return c.at_prior() ? "left at its prior" : "";
 }
 
-void print_parameters(const Page& page, const UpdateFindings& findings) {
+void print_updated_parameters(const Page& page, const UpdateFindings& findings) {
   page.heading("The parameters");
   std::vector<std::vector<std::string>> rows = {
       {"parameter", "mean", "sd", "95 % interval", "contracted by", ""}};
@@ -59,7 +59,7 @@ void print_solutions(const Page& page, const UpdateFindings& findings) {
   page.table(rows);
 }
 
-void print_modes(const Page& page, const UpdateFindings& findings) {
+void print_matched_modes(const Page& page, const UpdateFindings& findings) {
   page.heading("The modes");
   bool shapes = false;
   for (const ModeFinding& m : findings.modes) shapes = shapes || m.has_shape;
@@ -125,9 +125,9 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
     out << "Modes without shapes are paired by number. This pairing has "
         << probability_is(findings.numbering->probability) << " under the priors.\n";
   print_answer(page, answer(findings));
-  print_parameters(page, findings);
+  print_updated_parameters(page, findings);
   print_solutions(page, findings);
-  print_modes(page, findings);
+  print_matched_modes(page, findings);
   print_predictions(page, findings);
   print_evidence(page, findings);
   print_closing(page, findings, update_warnings(findings), "model");

@@ -90,7 +90,7 @@ std::string state_bytes(const MonitorState& state, const fs::path& path) {
   return file.close();
 }
 
-std::optional<MonitorState> read_state(const fs::path& path) {
+std::optional<MonitorState> read_monitor_state(const fs::path& path) {
   using Kind = io::FileError::Kind;
   if (!fs::exists(path)) return {};
   const io::NetcdfReader file(io::read_bytes(path), path, kStateFormat);
@@ -159,7 +159,7 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
   const std::string case_text = case_text_of(parsed, seed);
   std::optional<MonitorState> state;
   std::string table;
-  if (common.resume) state = read_state(folder / "state.nc");
+  if (common.resume) state = read_monitor_state(folder / "state.nc");
   if (state) {
     check_continues(parsed, *state, case_text);
     table = io::read_bytes(folder / "series.csv");

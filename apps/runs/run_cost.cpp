@@ -22,7 +22,7 @@ std::string gigabytes(double bytes) {
   return base::significant(bytes / kGigabyte, 2);
 }
 
-std::string rounded(double x) {
+std::string rounded_cost(double x) {
   return x >= 1e3 && x < 1e15 ? base::grouped(std::lround(std::stod(base::significant(x, 2))))
                               : base::significant(x, 2);
 }
@@ -33,7 +33,7 @@ std::string in_words(const RunCost& cost) {
   std::string text = "about " + gigabytes(cost.bytes) + " GB of memory";
   if (cost.disk > 0.0) text += " and " + gigabytes(cost.disk) + " of disk";
   if (cost.likelihoods > 0.0) {
-    text += ", " + rounded(cost.likelihoods) + " likelihoods or FE runs";
+    text += ", " + rounded_cost(cost.likelihoods) + " likelihoods or FE runs";
   }
   if (cost.seconds_a_likelihood > 0.0)
     text += " of " + base::significant(1e3 * cost.seconds_a_likelihood, 2) + " ms each";

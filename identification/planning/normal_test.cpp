@@ -20,7 +20,7 @@ using Eigen::Index;
 /// ln p of neglected terms is this far below the largest term.
 constexpr double kNegligible = 32.0;
 
-double log_sum(const std::vector<double>& terms) {
+double log_sum_of(const std::vector<double>& terms) {
   double most = -kInfinity, sum = 0.0;
   for (const double t : terms) most = std::max(most, t);
   if (!(most > -kInfinity)) return most;
@@ -336,12 +336,12 @@ void NormalTest::answer(const Measured& measured, Answer& out) const {
         if (models_[m].counts[index(places_[a].kind)] == 1 && places_[a].prior > 0.0)
           terms.push_back(out.log_places[a] + std::log(places_[a].prior));
     }
-    out.log_models[m] = log_sum(terms);
+    out.log_models[m] = log_sum_of(terms);
     damaged.push_back(out.log_models[m] + std::log(models_[m].prior));
   }
-  out.log_odds = log_sum(damaged) - std::log(models_[index(intact_)].prior);
+  out.log_odds = log_sum_of(damaged) - std::log(models_[index(intact_)].prior);
   damaged.push_back(std::log(models_[index(intact_)].prior));
-  out.log_all = log_sum(damaged);
+  out.log_all = log_sum_of(damaged);
 }
 
 }  // namespace wheeltap::identification::planning

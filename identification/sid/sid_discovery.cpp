@@ -68,7 +68,7 @@ std::vector<double> discovery_in_si(const dynamics::Signal& signal, std::size_t 
   return out;
 }
 
-Motion motion_of(const Series& series, double rate_hz) {
+Motion motion_of_series(const Series& series, double rate_hz) {
   Motion out;
   std::vector<double> samples = series.samples;
   const auto n = static_cast<double>(samples.size());
@@ -121,7 +121,7 @@ class Motions {
     for (std::size_t m = 1; m < masses; ++m) {
       series_[m] = series_of(static_cast<int>(m));
       if (series_[m].samples.empty()) continue;
-      sensed_[m] = motion_of(series_[m], case_.sample_rate_hz);
+      sensed_[m] = motion_of_series(series_[m], case_.sample_rate_hz);
       motions_[m] = beside_the_base(static_cast<int>(m), sensed_[m]);
       if (motions_[m].displacement > most_.displacement) most_ = motions_[m];
     }
@@ -182,7 +182,7 @@ class Motions {
     std::vector<double> samples =
         discovery_in_si(base->signal, static_cast<std::size_t>(case_.stride));
     signals::detrend(samples, 0);
-    const Motion moved = motion_of({.samples = std::move(samples)}, case_.sample_rate_hz);
+    const Motion moved = motion_of_series({.samples = std::move(samples)}, case_.sample_rate_hz);
     motion.displacement = std::hypot(motion.displacement, moved.displacement);
     motion.velocity = std::hypot(motion.velocity, moved.velocity);
     motion.acceleration = std::hypot(motion.acceleration, moved.acceleration);
@@ -206,7 +206,7 @@ class Motions {
     if (both || to_ground) {
       Series e = b.samples.empty() ? a : b;
       for (std::size_t n = 0; both && n < e.samples.size(); ++n) e.samples[n] -= a.samples[n];
-      Motion motion = motion_of(e, case_.sample_rate_hz);
+      Motion motion = motion_of_series(e, case_.sample_rate_hz);
       if (motion.known() && !both) {
         motion = beside_the_base(link.a == 0 ? link.b : link.a, motion);
         if (link.b == 0) motion.highest = -std::exchange(motion.lowest, -motion.highest);

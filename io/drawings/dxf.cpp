@@ -71,7 +71,7 @@ double number_of(const Pair& pair, const std::filesystem::path& name) {
 }
 
 /// Metres per unit of $INSUNITS.
-double unit_of(int code) {
+double drawing_unit(int code) {
   static const std::map<int, double> units = {{1, 0.0254}, {2, 0.3048},  {4, 1e-3},    {5, 1e-2},
                                               {6, 1.0},    {8, 2.54e-8}, {9, 2.54e-5}, {10, 0.9144},
                                               {13, 1e-6},  {14, 0.1}};
@@ -102,7 +102,7 @@ class Reader {
       } else if (section == "HEADER" && pair.code == 9) {
         header_units = pair.value == "$INSUNITS";
       } else if (header_units && pair.code == 70) {
-        drawing_.unit = unit_of(static_cast<int>(number_of(pair, name)));
+        drawing_.unit = drawing_unit(static_cast<int>(number_of(pair, name)));
         header_units = false;
       } else if (section == "ENTITIES" && !entities_.empty()) {
         entities_.back().pairs.push_back(pair);

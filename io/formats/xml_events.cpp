@@ -49,7 +49,7 @@ void end(void* data, const XML_Char* name) {
   reading.guarded([&] { reading.events.end(local(name)); });
 }
 
-void text(void* data, const XML_Char* characters, int length) {
+void read_text(void* data, const XML_Char* characters, int length) {
   auto& reading = *static_cast<Reading*>(data);
   reading.guarded([&] { reading.events.text({characters, static_cast<std::size_t>(length)}); });
 }
@@ -69,7 +69,7 @@ std::string read_xml(std::string_view document, const XmlEvents& events) {
   Reading reading{.events = events, .parser = parser.get()};
   XML_SetUserData(parser.get(), &reading);
   XML_SetElementHandler(parser.get(), begin, end);
-  XML_SetCharacterDataHandler(parser.get(), text);
+  XML_SetCharacterDataHandler(parser.get(), read_text);
   XML_SetStartDoctypeDeclHandler(parser.get(), doctype);
   constexpr std::size_t kPiece = 1U << 24U;
   XML_Status status = XML_STATUS_OK;

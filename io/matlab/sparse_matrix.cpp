@@ -106,7 +106,8 @@ std::vector<double> converted(const void* data, std::size_t count) {
 }
 
 /// The elements of an array, in their stored order; std::nullopt if they are not numbers.
-std::optional<std::vector<double>> numbers(const void* data, matio_types type, std::size_t count) {
+std::optional<std::vector<double>> numeric_values(const void* data, matio_types type,
+                                                  std::size_t count) {
   if (count == 0) return std::vector<double>();
   if (data == nullptr) return {};
   if (type == MAT_T_DOUBLE) return converted<double>(data, count);
@@ -160,7 +161,7 @@ class MatlabMatrix {
     if (static_cast<std::size_t>(s->njc) != columns + 1 || s->jc == nullptr || s->jc[0] != 0)
       fail("is damaged: its column starts do not match its size");
     const auto stored = static_cast<std::size_t>(s->jc[columns]);
-    const auto values = numbers(s->data, v_.data_type, static_cast<std::size_t>(s->ndata));
+    const auto values = numeric_values(s->data, v_.data_type, static_cast<std::size_t>(s->ndata));
     if (!values) fail("does not hold numbers");
     if (stored > values->size() || stored > static_cast<std::size_t>(s->nir))
       fail("is damaged: it holds fewer entries than its columns have");
@@ -183,10 +184,10 @@ class MatlabMatrix {
 
   [[nodiscard]] SparseMatrix full() const {
     const std::size_t rows = v_.dims[0], columns = v_.dims[1];
-    const auto values =
-        v_.data_size > 0
-            ? numbers(v_.data, v_.data_type, v_.nbytes / static_cast<std::size_t>(v_.data_size))
-            : std::nullopt;
+    const auto values = v_.data_size > 0
+                            ? numeric_values(v_.data, v_.data_type,
+                                             v_.nbytes / static_cast<std::size_t>(v_.data_size))
+                            : std::nullopt;
     if (!values || v_.class_type == MAT_C_CHAR || v_.class_type == MAT_C_CELL ||
         v_.class_type == MAT_C_STRUCT)
       fail("is not a numeric matrix");
@@ -202,7 +203,7 @@ class MatlabMatrix {
   const std::string& name_;
 };
 
-SparseMatrix read_here(const std::filesystem::path& path, const std::string& name) {
+SparseMatrix read_matrix_here(const std::filesystem::path& path, const std::string& name) {
   require_own_storage(path);
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
@@ -253,7 +254,7 @@ void carry(Parcel& parcel, Of& matrix) {
 SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::string& name) {
   const NetcdfLock lock;  // a v7.3 file is an HDF5 file
   const auto carried = read_apart_as<Carried>(path, [&] {
-    SparseMatrix m = read_here(path, name);
+    SparseMatrix m = read_matrix_here(path, name);
     m.makeCompressed();
     const auto n = m.nonZeros();
     return Carried{.rows = m.rows(),

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-char lower(char c) {
+char lower_letter(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
 bool is_letter(char c) {
-  return lower(c) >= 'a' && lower(c) <= 'z';
+  return lower_letter(c) >= 'a' && lower_letter(c) <= 'z';
 }
 
 /// Reads a text from its beginning.
@@ -40,7 +40,7 @@ class Cursor {
   bool take_word(std::string_view word) {
     if (rest.size() < word.size()) return false;
     for (std::size_t i = 0; i < word.size(); ++i)
-      if (lower(rest[i]) != word[i]) return false;
+      if (lower_letter(rest[i]) != word[i]) return false;
     if (rest.size() > word.size() && is_letter(rest[word.size()])) return false;
     rest.remove_prefix(word.size());
     return true;
@@ -95,7 +95,7 @@ class Cursor {
   bool take_letters(std::string_view beginning) {
     if (rest.size() < beginning.size()) return false;
     for (std::size_t i = 0; i < beginning.size(); ++i)
-      if (lower(rest[i]) != beginning[i]) return false;
+      if (lower_letter(rest[i]) != beginning[i]) return false;
     rest.remove_prefix(beginning.size());
     while (!rest.empty() && is_letter(rest.front())) rest.remove_prefix(1);
     return true;

@@ -75,7 +75,7 @@ void append(std::string& out, double value, bool big_endian) {
   out.append(raw.data(), raw.size());
 }
 
-std::string binary_values(const UniversalFunction& f) {
+std::string packed_values(const UniversalFunction& f) {
   std::string out;
   const auto add = [&](double value) {
     f.is_double ? append<double>(out, value, f.big_endian)
@@ -110,7 +110,7 @@ std::string text_values(const UniversalFunction& f) {
 }
 
 void add(std::string& out, const UniversalFunction& f) {
-  const std::string bytes = f.binary ? binary_values(f) : std::string();
+  const std::string bytes = f.binary ? packed_values(f) : std::string();
   out += kSeparator;
   if (f.binary) {
     out += formatted("%6db%6d%6d%12d%12zu%6d%6d%12d%12d\n", 58, f.big_endian ? 2 : 1, 2, 11,

@@ -25,7 +25,7 @@ const char* name(TimeBasis basis) {
 }
 
 /// The location in the block of a record that names a column: in a channel, or in the block itself.
-Pointer place_of(const CaseFile& file, const Pointer& block, const std::string& column) {
+Pointer column_pointer(const CaseFile& file, const Pointer& block, const std::string& column) {
   const Json& b = file.json.at(block);
   if (b.contains("channels")) {
     for (std::size_t i = 0; i < b.at("channels").size(); ++i)
@@ -72,7 +72,7 @@ io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where) {
 }
 
 void refuse_column(const CaseFile& file, const Pointer& block, const io::NoSuchColumn& error) {
-  const Pointer at = place_of(file, block, error.column());
+  const Pointer at = column_pointer(file, block, error.column());
   file.refuse(at, error.reason() + " in " + error.path().filename().string() +
                       (file.json.at(at).is_number() ? "; numbers count columns from 1" : ""));
 }

@@ -18,7 +18,7 @@ using io::FileError;
 
 constexpr std::string_view kMagic = "wheeltap-sweep 1 ";
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
+[[noreturn]] void fail_journal(const std::filesystem::path& path, const std::string& reason) {
   throw FileError(FileError::Kind::unwritable, path, reason);
 }
 
@@ -33,17 +33,18 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
   if (descriptor_ < 0 || ::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
     const int error = descriptor_ < 0 ? errno : 0;
     if (descriptor_ >= 0) ::close(descriptor_);
-    fail(path_, error == 0 || error == ELOOP ? "is not a regular file"
-                                             : std::generic_category().message(error));
+    fail_journal(path_, error == 0 || error == ELOOP ? "is not a regular file"
+                                                     : std::generic_category().message(error));
   }
   std::size_t end = 0;
   try {
     const std::string text = io::read_bytes(path_);
     const bool begun = header.starts_with(text);  // true if killed within the first line
     if (!begun && !text.starts_with(kMagic)) {
-      fail(path_,
-           "exists already and is not the journal of a sweep, and Wheeltap does not overwrite it; "
-           "remove it or choose another folder");
+      fail_journal(
+          path_,
+          "exists already and is not the journal of a sweep, and Wheeltap does not overwrite it; "
+          "remove it or choose another folder");
     }
     if (resume && !begun && !text.starts_with(header)) {
       throw FileError(FileError::Kind::mismatch, path_,
@@ -63,7 +64,7 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
       rows_[kept["value"].dump()] = std::move(kept["row"]);
     }
     if (::ftruncate(descriptor_, static_cast<off_t>(end)) != 0) {
-      fail(path_, std::generic_category().message(errno));
+      fail_journal(path_, std::generic_category().message(errno));
     }
     if (end == 0) put(header);
   } catch (...) {
@@ -90,10 +91,11 @@ void SweepJournal::put(std::string_view line) const {
   while (!line.empty()) {
     const ssize_t written = ::write(descriptor_, line.data(), line.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail(path_, std::generic_category().message(written < 0 ? errno : ENOSPC));
+    if (written <= 0)
+      fail_journal(path_, std::generic_category().message(written < 0 ? errno : ENOSPC));
     line.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (::fsync(descriptor_) != 0) fail(path_, std::generic_category().message(errno));
+  if (::fsync(descriptor_) != 0) fail_journal(path_, std::generic_category().message(errno));
 }
 
 void SweepJournal::remove() {

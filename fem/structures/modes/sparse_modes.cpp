@@ -34,7 +34,7 @@ constexpr Index kRounds = 4;
 /// kBetweenChecks steps. The largest number of steps is 3 per mode plus kSpareSteps.
 constexpr Index kBeforeChecks = 4, kBetweenChecks = 3, kSpareSteps = 60;
 
-std::size_t at(Index i) {
+std::size_t to_size(Index i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -61,7 +61,7 @@ SparseModes::SparseModes(const ParametricStructure& structure, Index massive, In
       massive_(massive),
       elastic_(elastic),
       factor_(pattern_of(structure, structure.term_matrices())),
-      touching_(at(n_)),
+      touching_(to_size(n_)),
       start_(n_, start.cols()) {
   for (const Sparse& term : structure.term_matrices()) terms_.push_back(entries(term));
   for (const Sparse& slope : structure.mass_slopes()) mass_slopes_.push_back(entries(slope));
@@ -91,7 +91,7 @@ SparseModes::SparseModes(const ParametricStructure& structure, Index massive, In
   for (const SparseRow& motion : motions) motions_.push_back(moved(motion));
   for (const Strain& strain : structure.nominal().strains) strains_.push_back(moved(strain.row));
   for (Index i = 0; i < n_; ++i)
-    start_.row(static_cast<Index>(factor_.position(at(i)))) = start.row(i);
+    start_.row(static_cast<Index>(factor_.position(to_size(i)))) = start.row(i);
 }
 
 SparseModes::Entries SparseModes::entries(const Sparse& matrix) const {
@@ -114,7 +114,7 @@ SparseModes::Entries SparseModes::entries(const Sparse& matrix) const {
 SparseModes::Columns SparseModes::columns_of(const std::vector<char>& marked) const {
   Columns out;
   // Entries of `lower` are stored column by column.
-  for (std::size_t column = 0, i = 0; column < at(n_); ++column) {
+  for (std::size_t column = 0, i = 0; column < to_size(n_); ++column) {
     out.start.push_back(out.entries.size());
     for (; i < marked.size() && factor_.column(i) == column; ++i)
       if (marked[i] != 0)
@@ -218,12 +218,12 @@ bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspa
   ws.residuals.resize(elastic_);
   // √(rᵀ K⁻¹ r / λ) of each mode, several at once.
   const MatrixXd residuals = forces - momenta * ws.eigenvalues.asDiagonal();
-  std::vector<double> moved(kLanes * at(n_));
+  std::vector<double> moved(kLanes * to_size(n_));
   for (Index group = 0; group < elastic_; group += kLanes) {
     const Index count = std::min<Index>(kLanes, elastic_ - group);
     std::ranges::fill(moved, 0.0);
     for (Index w = 0; w < count; ++w)
-      for (Index i = 0; i < n_; ++i) moved[at(kLanes * i + w)] = residuals(i, group + w);
+      for (Index i = 0; i < n_; ++i) moved[to_size(kLanes * i + w)] = residuals(i, group + w);
     factor_.solve_several<kLanes>(ws.shifted, moved.data());
     for (Index w = 0; w < count; ++w) {
       const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(moved.data() + w, n_);
@@ -332,10 +332,10 @@ bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const
   // K - s M, where s lies between the two eigenvalues.
   const double s = 1.0 / std::sqrt(mu[split] * std::max(mu[split + 1], 1e-12 * mu[split]));
   SparseFactor::Values& values = ws.several;
-  values.diagonal.resize(at(n_));
+  values.diagonal.resize(to_size(n_));
   values.lower.assign(factor_.entries(), 0.0);
   for (Index i = 0; i < n_; ++i)
-    values.diagonal[at(i)] = ws.stiffness_diagonal[i] - s * ws.mass_diagonal[i];
+    values.diagonal[to_size(i)] = ws.stiffness_diagonal[i] - s * ws.mass_diagonal[i];
   for (const std::size_t e : used_) values.lower[e] = ws.stiffness[e] - s * ws.mass[e];
   factor_.factorise<1>(values);
   return std::ranges::all_of(values.diagonal, [](double d) { return std::isfinite(d); }) &&
@@ -357,9 +357,9 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
     for (std::size_t j = 0; j < mass_slopes_.size(); ++j)
       add(point.change[static_cast<Index>(j)], mass_slopes_[j], ws.mass_diagonal.data(),
           ws.mass.data());
-  ws.shifted.diagonal.resize(at(n_));
+  ws.shifted.diagonal.resize(to_size(n_));
   ws.shifted.lower.assign(factor_.entries(), 0.0);
-  for (Index i = 0; i < n_; ++i) ws.shifted.diagonal[at(i)] = ws.stiffness_diagonal[i];
+  for (Index i = 0; i < n_; ++i) ws.shifted.diagonal[to_size(i)] = ws.stiffness_diagonal[i];
   for (const std::size_t e : used_) ws.shifted.lower[e] = ws.stiffness[e];
   factor_.factorise<1>(ws.shifted);
   if (!std::ranges::all_of(ws.shifted.diagonal, [](double d) { return d > 0.0; })) return false;
@@ -370,7 +370,7 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
   for (Index round = 0; round < kRounds && !complete; ++round) {
     const Index wanted = round == 0 ? elastic_ : std::min<Index>(elastic_, 2 + 2 * round);
     if (!lanczos(ws, found, mu, beyond, wanted, round)) return false;
-    std::vector<Index> order(at(mu.size()));
+    std::vector<Index> order(to_size(mu.size()));
     std::iota(order.begin(), order.end(), Index{0});
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index i) { return mu[i]; });
     found = MatrixXd(found(Eigen::all, order));
@@ -411,14 +411,14 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
   const MatrixXd& scale_slopes = structure_.scale_slopes();
   constexpr std::size_t kWide = kLanes;
   eigenvalues.resize(elastic_, d);
-  shapes.assign(at(d), MatrixXd(static_cast<Index>(motions_.size()), elastic_));
+  shapes.assign(to_size(d), MatrixXd(static_cast<Index>(motions_.size()), elastic_));
   MatrixXd momenta(n_, elastic_);
   for (Index i = 0; i < elastic_; ++i)
     mass_times(ws, ws.modes.col(i).data(), momenta.col(i).data());
   const auto distance = [&](Index i, Index j) {
     return std::abs(ws.eigenvalues[i] - ws.eigenvalues[j]) / ws.eigenvalues[j];
   };
-  std::vector<double> modes(kWide * at(n_)), force(kWide * at(n_));
+  std::vector<double> modes(kWide * to_size(n_)), force(kWide * to_size(n_));
   for (Index group = 0; group < elastic_; group += kLanes) {
     std::array<Index, kWide> mode{}, first{}, last{};
     std::array<double, kWide> lambda{}, scale{};
@@ -428,7 +428,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
       lambda[w] = ws.eigenvalues[i];
       while (first[w] > 0 && distance(first[w] - 1, i) < twin) --first[w];
       while (last[w] + 1 < elastic_ && distance(last[w] + 1, i) < twin) ++last[w];
-      for (Index r = 0; r < n_; ++r) modes[kWide * at(r) + w] = ws.modes(r, i);
+      for (Index r = 0; r < n_; ++r) modes[kWide * to_size(r) + w] = ws.modes(r, i);
     }
     std::array<std::vector<std::size_t>, kWide> pinned;
     if (!motions_.empty()) {
@@ -448,7 +448,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
       if (structure_.mass_changes()) {
         std::vector<double> by_mass(force.size());
         scale.fill(1.0);
-        multiply(mass_slopes_[at(j)], factor_, modes.data(), scale.data(), by_mass.data());
+        multiply(mass_slopes_[to_size(j)], factor_, modes.data(), scale.data(), by_mass.data());
         for (std::size_t r = 0; r < force.size(); ++r) {
           force[r] -= lambda[r % kWide] * by_mass[r];
           norm[r % kWide] -= 0.5 * modes[r] * by_mass[r];
@@ -463,7 +463,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
             momenta.middleCols(first[w], last[w] - first[w] + 1) *
                 (ws.modes.middleCols(first[w], last[w] - first[w] + 1).transpose() * mine) -
             mine;
-        for (Index r = 0; r < n_; ++r) force[kWide * at(r) + w] = right[r];
+        for (Index r = 0; r < n_; ++r) force[kWide * to_size(r) + w] = right[r];
         for (const std::size_t p : pinned[w]) force[kWide * p + w] = 0.0;
       }
       if (motions_.empty()) continue;
@@ -481,7 +481,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
         missing[mode[w] - first[w]] += norm[w];
         change += ws.modes.middleCols(first[w], last[w] - first[w] + 1) * missing;
         for (std::size_t s = 0; s < motions_.size(); ++s)
-          shapes[at(j)](static_cast<Index>(s), mode[w]) = motions_[s].of(change);
+          shapes[to_size(j)](static_cast<Index>(s), mode[w]) = motions_[s].of(change);
       }
     }
   }
@@ -497,7 +497,7 @@ std::vector<std::size_t> SparseModes::pins(const Workspace& ws, Index first, Ind
   for (Index c = 0; c < left.cols(); ++c) {
     Index p = 0;
     left.col(c).cwiseAbs().maxCoeff(&p);
-    out.push_back(at(p));
+    out.push_back(to_size(p));
     for (Index other = c + 1; other < left.cols(); ++other)
       left.col(other) -= left.col(c) * (left(p, other) / left(p, c));
   }
@@ -509,9 +509,9 @@ bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
                                const std::vector<std::size_t>* pinned) const {
   constexpr std::size_t kWide = kLanes;
   SparseFactor::Values& values = ws.several;
-  values.diagonal.resize(kWide * at(n_));
+  values.diagonal.resize(kWide * to_size(n_));
   values.lower.assign(kWide * factor_.entries(), 0.0);
-  for (std::size_t i = 0; i < at(n_); ++i)
+  for (std::size_t i = 0; i < to_size(n_); ++i)
     for (std::size_t w = 0; w < kWide; ++w)
       values.diagonal[kWide * i + w] = ws.stiffness_diagonal[static_cast<Index>(i)] -
                                        lambda[w] * ws.mass_diagonal[static_cast<Index>(i)];

@@ -117,7 +117,7 @@ std::vector<Drawn> draws_of_all(const SidProblem& problem, const inference::Post
 }
 
 // ẋ by central differences over ±`step` samples; shorter steps at the ends.
-Eigen::VectorXd derivative(const Eigen::VectorXd& x, double rate_hz, Eigen::Index step) {
+Eigen::VectorXd central_derivative(const Eigen::VectorXd& x, double rate_hz, Eigen::Index step) {
   const Eigen::Index n = x.size();
   Eigen::VectorXd out(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -209,7 +209,7 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   // excitation average in the same way.
   const auto as_accelerations = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return sensor->quantity == dynamics::Quantity::displacement ? second_derivative(x, hz, step)
-           : sensor->quantity == dynamics::Quantity::velocity   ? derivative(x, hz, step)
+           : sensor->quantity == dynamics::Quantity::velocity   ? central_derivative(x, hz, step)
                                                                 : x;
   };
   const auto averaged = [&](const SidChannel& channel) -> Eigen::VectorXd {
@@ -219,7 +219,7 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   };
   if (sensor->quantity == dynamics::Quantity::displacement) {
     extension = sign * measured;
-    rate = sign * derivative(measured, hz, step);
+    rate = sign * central_derivative(measured, hz, step);
   } else if (sensor->quantity == dynamics::Quantity::velocity) {
     rate = sign * measured;
   }
