@@ -89,9 +89,9 @@ class Replicate {
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods per batch: a few vectors full
   // Largest standard deviation of the error of the approximation, times β, for screened moves, and
-  // number of steps of such a move.
+  // number of steps of such a move: in many dimensions, each step moves less.
   static constexpr double kScreenError = 1.5;
-  static constexpr int kScreenSteps = 5;
+  [[nodiscard]] int screen_steps() const { return std::max(5, to_->posterior.dimension() / 3); }
 
   [[nodiscard]] base::Random stream(std::uint64_t stage) const {
     // The high bit separates these streams from other streams of this purpose.
@@ -349,8 +349,9 @@ class Replicate {
     std::vector<int> counts;
     std::vector<ModelPosterior::Value> values;
     double moved = 0.0;
-    // A screened move leads farther than a plain move, so that half of the moves suffice.
-    const double least = 0.5 * options_.acceptances * n;
+    // A screened move leads farther than a plain move: each evaluation makes `many` steps.
+    const int many = screen_steps();
+    const double least = 0.1 * many * options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
       const SweepProposal propose = proposal(mixture, sweep);
       double steps = 0.0;
@@ -364,7 +365,7 @@ class Replicate {
         for (std::size_t k = 0; k < batch.size(); ++k) {
           Particle end = batch[k];
           const int count = step_by_approximation(options_.approximation, beta * scale, propose,
-                                                  kScreenSteps, random, end.z, end.approximate);
+                                                  many, random, end.z, end.approximate);
           steps += count;
           if (count == 0) continue;
           proposals.insert(proposals.end(), end.z.begin(), end.z.end());
@@ -386,7 +387,7 @@ class Replicate {
           moved += propose.kind == SweepProposal::Kind::renewal ? 1.0 : counts[i];
         }
       }
-      adapt(propose.kind, steps / (kScreenSteps * n));
+      adapt(propose.kind, steps / (many * n));
     }
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }

@@ -444,8 +444,10 @@ LogApproximation normal_approximation(const std::vector<Mode>& modes) {
 // Runs SMC from the prior. Returns no draws if SMC fails.
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
+  const int d = problem.space[model].dimension;
   const int particles = brief ? std::min(kBriefParticles, options.particles)
-                              : scaled_particles(options.particles, problem.space[model].dimension);
+                              : scaled_particles(options.particles, d);
+  const bool worthwhile = (problem.costly || d > kFewDimensions) && !found.modes.empty();
   double done = 0.0;
   try {
     Tmcmc annealed = tmcmc(
@@ -457,8 +459,7 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
          .weight_cov = 1.0,
          .acceptances = brief ? 1.0 : 4.0,
          .path = brief ? TmcmcPath::growing : TmcmcPath::better,
-         .approximation =
-             problem.costly && !found.modes.empty() ? normal_approximation(found.modes) : nullptr,
+         .approximation = worthwhile ? normal_approximation(found.modes) : nullptr,
          .most_evaluations = brief ? kBriefCalls : 0,
          .threads = options.threads,
          .progress =

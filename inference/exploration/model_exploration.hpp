@@ -44,11 +44,13 @@ struct ExplorationOptions {
   std::function<bool()> stop = nullptr;
 };
 
-/// The number of SMC particles of a model with d dimensions: proportional to d above 20, because
-/// the proposals need the covariance of the particles.
+/// Models with more dimensions need more SMC particles and more steps of a move.
+inline constexpr int kFewDimensions = 20;
+
+/// The number of SMC particles of a model with d dimensions: proportional to d above
+/// kFewDimensions, because the proposals need the covariance of the particles.
 [[nodiscard]] constexpr int scaled_particles(int particles, int d) {
-  constexpr int kFew = 20;
-  return particles / kFew * std::max(kFew, d);
+  return particles / kFewDimensions * std::max(kFewDimensions, d);
 }
 
 /// Likelihood evaluations of the exploration.
