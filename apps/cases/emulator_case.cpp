@@ -143,7 +143,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     const inference::Prior& prior = *out.kinds[0].severity_prior();
     if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
       file.refuse(where / "multipliers",
-                  "is missing: it is required if the prior of the reduction reaches above 0.999");
+                  "is missing: it is required if the prior of the reduction extends above 0.999");
     }
   }
   spec.compliance = p.value("coordinate", std::string()) == "compliance";

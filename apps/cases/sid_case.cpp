@@ -575,8 +575,8 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   }
   if (!several && !file.json.contains("record")) {
     file.refuse(Pointer("/record"),
-                "is missing: must be an object with a file (or a truth to simulate it from) and "
-                "its channels");
+                "is missing: must be an object with \"channels\" and a \"file\"; without a file, "
+                "Wheeltap simulates the record from \"truth\"");
   }
   std::vector<bool> used;
   SidCaseFile out = several ? parse_several(file, needs, used) : parse_one(file, needs, used);

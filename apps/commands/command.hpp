@@ -32,11 +32,11 @@ struct Invocation {
 struct Command {
   std::string name;
   std::string summary;  ///< description of the command, one line for --help
-  /// True if ranks share the work of the command; other commands run on rank 0 only
+  /// True if MPI ranks divide the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of the cases that the command runs; empty: it runs no case
-  /// The command runs only cases with this key; if empty, only cases without the keys of other
-  /// commands
+  /// Key that the cases of the command must have; if empty, a case must have none of the keys of
+  /// other commands
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the command does not sample a posterior
   MakeCaseRun make_run = {};

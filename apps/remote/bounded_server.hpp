@@ -16,8 +16,8 @@ namespace wheeltap::apps {
 
 /// Limits of a server and its connections.
 struct ConnectionBounds {
-  /// Largest number of simultaneous connections. If a further connection arrives, the server closes
-  /// the connection that has waited longest for a request.
+  /// Largest number of simultaneous connections. If a connection beyond this number arrives, the
+  /// server closes the connection that has waited longest for a request.
   std::size_t connections = 512;
   std::chrono::seconds idle{60};      ///< longest time between two requests of a connection
   std::chrono::seconds request{20};   ///< longest time from the first to the last byte of a request

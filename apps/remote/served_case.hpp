@@ -30,8 +30,8 @@ namespace wheeltap::apps {
     std::shared_ptr<const identification::DamageProblem> problem);
 
 /// Returns the models of a sid case: for each equation of motion, three functions of its
-/// parameters. "forward" gives the response of every channel without noise at the samples of the
-/// likelihood [SI], channel by channel, record by record. The other functions are "log_likelihood"
+/// parameters. "forward" gives the noise-free response [SI] of every channel at the samples of the
+/// likelihood, channel by channel, record by record. The other functions are "log_likelihood"
 /// and "posterior". If the case has several equations of motion, the names of the functions contain
 /// the name of the equation.
 [[nodiscard]] std::vector<ServedModel> served(

@@ -40,8 +40,8 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
 
 /// Returns true if the run in `folder` has this file, false if the summary states that the file
 /// could not be written. Throws io::FileError if the file does not belong to the run: missing;
-/// corrupt (truncated or damaged); mismatch (of another run). Runs of versions without checksums
-/// are not checked.
+/// corrupt (truncated or damaged); mismatch (of another run). Runs of old program versions, which
+/// stored no checksums, are not checked.
 [[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
                              const Report& summary);
 /// Returns the bytes of a file of a run; empty if the run has no such file. Throws the same

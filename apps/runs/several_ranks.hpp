@@ -15,8 +15,8 @@ namespace wheeltap::apps {
 class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
-/// Otherwise, the class has no effect. Ranks other than the first print nothing on standard output
-/// and error, and use one thread each by default.
+/// In a process without other ranks, the class has no effect. Ranks other than the first print
+/// nothing on standard output and error, and use one thread each by default.
 class JoinedRanks {
  public:
   /// Throws Failure (64) if there are other ranks and the module is missing.

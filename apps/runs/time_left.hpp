@@ -43,7 +43,7 @@ class TimeLeft {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      // Fraction of the stage that was done before; a resumed run starts above 0
+      // Fraction of the stage that an earlier run completed; above 0 only in a resumed run
       share_before_ = progress.fraction;
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;

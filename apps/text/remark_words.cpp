@@ -336,7 +336,7 @@ class Speaker {
   }
   std::string operator()(const remark::StepsTooLong& r) const {
     return "Under \"" + r.model +
-           "\", time steps a quarter as long change the response of the best draw by " +
+           "\", a quarter of the time step changes the response of the best draw by " +
            significant(r.error, 2) +
            " times the noise sd (norm over all samples): the time steps alone may shift "
            "parameters "

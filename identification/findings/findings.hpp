@@ -117,8 +117,8 @@ struct Findings {
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// If a run has at most this number of models, every model is reported in full. Otherwise, only
-/// models with a probability of at least kWorthFull are reported in full.
+/// If a run has at most this number of models, every model is reported in full. In runs with more
+/// models, only models with a probability of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);

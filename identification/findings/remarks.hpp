@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; there, the likelihood
-/// is set to zero.
+/// The likelihood was NaN or +∞ for `places` of the `evaluated` parameter vectors; for these, it is
+/// set to zero.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -49,12 +49,12 @@ struct NearlyPrior {
   std::vector<Parameter> parameters;
 };
 
-/// Parameters whose standard deviation is determined by rare draws far away: its Monte Carlo
-/// standard error is more than kUncertainSpread of it.
+/// Parameters whose standard deviation is determined by rare outlying draws: its relative Monte
+/// Carlo standard error exceeds kUncertainSpread.
 struct UncertainSpread {
   struct Parameter {
     std::string model, name;
-    double error;  ///< Monte Carlo standard error of the standard deviation, as a fraction of it
+    double error;  ///< relative Monte Carlo standard error of the standard deviation
   };
   std::vector<Parameter> parameters;
 };
@@ -266,7 +266,7 @@ struct InitialStateInferred {
   double share;  ///< RMS of the first samples of the window, divided by the RMS of the response
 };
 
-/// With a quarter of the time step, the response at the best draw changes by `error` times the
+/// If the time step is divided by four, the response at the best draw changes by `error` times the
 /// noise.
 struct StepsTooLong {
   std::string model;
@@ -274,7 +274,7 @@ struct StepsTooLong {
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
 /// The posterior means of the parameters fit the record worse than the best draw does. Each channel
-/// has both NRMSE values.
+/// has an NRMSE for the posterior means and one for the best draw.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;

@@ -11,7 +11,7 @@
 // processes the entries of a row in sequence, which is exact for Gaussian noise. For Student t
 // noise, the predictive density of an entry is Student t, normalised, with the filter's variance S
 // as squared scale. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
-// the inverse of the precision that the scale mixture has on average, given the innovation v.
+// the inverse of the mean precision of the scale mixture, given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// The slow drift's time constant is the length of the training period, but at most this [h].
+/// The slow drift's time constant is the length of the training period, but at most this value [h].
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.

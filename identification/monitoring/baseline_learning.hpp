@@ -14,8 +14,8 @@
 //   features.
 //
 // The full filter (baseline_filter.hpp) of each draw then processes the training rows, starting
-// from the priors. The only error of the posterior of the coefficients is the filter's
-// approximation of Student's t.
+// from the priors. The posterior of the coefficients is exact except for the filter's approximation
+// of Student's t.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ namespace wheeltap::identification::monitoring {
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
   /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
-  /// 1000 divided by the number of coefficients, limited to the range from this number to 24.
+  /// 1000 divided by the number of coefficients, but at least six (or four, as above) and at most 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers have equal priors
   bool hinges = true, lag = true;

@@ -11,13 +11,13 @@
 // probability of a decayed transient is transferred to the baseline, and at each row also the
 // probability that transients have ended early.
 //
-// A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
-// recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
-// candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
-// which is exact for Gaussian noise. The prior of δ has two equally probable components, with s one
-// of kShiftSizes (equally probable) and r_j the residual sd of feature j:
+// A shift acts linearly. After a shift, the innovations of a filter that assumes no shift are v_t +
+// G_t δ; a recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976).
+// For each candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the
+// posterior of δ, which is exact for Gaussian noise. The prior of δ has two equally probable
+// components: a shift of all features, and a shift of one feature (each equally probable). Then
 //
-//   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
+//   δ_j ~ N(0, (s r_j)²), s: one of kShiftSizes (equally probable), r_j: residual sd of feature j.
 //
 // For Student t noise, predictive densities are normalised as in baseline_filter.hpp. All
 // candidates share one noise inflation per entry: the mean over the candidates, weighted by
@@ -90,7 +90,7 @@ void carry(Parcel& parcel, Of& c) {
          c.log_ratio, c.log_wealth, c.log_prior, c.slot);
 }
 
-/// Prediction of a row without a change since the last alarm.
+/// Prediction of a row if no change occurred since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< mean and sd of the p features' logarithms, over the draws
   Eigen::VectorXd weather;   ///< posterior mean effect of the covariates (p entries)
@@ -119,7 +119,7 @@ class ChangePoint {
   /// change.
   PredictedRow add(const Row& row);
 
-  /// ln of the Shiryaev-Roberts statistic: the sum over the wealth of all candidates.
+  /// ln of the Shiryaev-Roberts statistic: the sum over the terms of all candidates.
   [[nodiscard]] double log_statistic() const;
   [[nodiscard]] ChangeEstimate estimate() const;
   /// Probability of a change since the last accepted change.

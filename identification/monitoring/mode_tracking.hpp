@@ -5,7 +5,7 @@
 //   m_kt = w_k(u_t) + a_kt, a_kt: random walk (local level), w_k: effect of covariates,
 //
 // The mode also has a reference shape and a probability D_k of being identified. An assignment σ
-// maps each tracked mode to an identified mode of its own, or to none:
+// maps each tracked mode to a different identified mode, or to none:
 //
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).

@@ -20,8 +20,8 @@ struct MonitorOptions {
   ReplayOptions replay = {};
   /// False: the threshold is computed from the model; replay only reports its false-alarm rate.
   bool is_calibrated = true;
-  /// Number of rows after an alarm that refine the estimate of the change. Then the monitor accepts
-  /// the change and resets the detector.
+  /// Number of rows after an alarm that refine the estimate of the change. After these rows, the
+  /// monitor accepts the change and resets the detector.
   int settling_rows = 24;
   /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
@@ -66,7 +66,7 @@ class Monitor {
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold from the model for the stated rate of false alarms. The next two functions
+  /// ln of the threshold that the model gives for the stated rate of false alarms. The next two functions
   /// return ln of the threshold from the replay, and ln of the larger of both, which Monitor uses.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;

@@ -20,8 +20,8 @@ struct EngineOutcome {
   int model = 0;       ///< most probable model
   bool right = false;  ///< true if count and locations are correct by the criteria of TestScorer
   /// Log posterior density (in standard normal coordinates) of the true damage, minus the highest
-  /// one that the run found in the true model. A value of several nats means that the search missed
-  /// the true damage.
+  /// density that the run found in the true model. A value of several nats means that the search
+  /// missed the true damage.
   double truth_gain = 0.0;
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,

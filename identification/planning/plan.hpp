@@ -51,12 +51,12 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;  ///< sd of shape entries: median over the modes
-  /// The same median for shapes whose largest entry at the sensors of the best design is 1.
+  /// Median sd of shape entries if the largest entry at the sensors of the best design is 1.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< close modes (from 0): only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of at least one defect
   /// Designs that the search found, sorted by P(right count and location), best first. A classical
-  /// layout that is better than all these designs precedes them.
+  /// layout that is better than all designs found by the search is first in the list.
   std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;  ///< designs by other criteria, and the user's layouts
   ScoredDesign frequencies_alone;
@@ -116,8 +116,8 @@ class PlanModel {
 /// Chooses sensors for the case, from fewer locations and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
-/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, or whose
-/// models lack, or contain only, the intact structure.
+/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, and for
+/// models that do not include the intact structure, or include no other model.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

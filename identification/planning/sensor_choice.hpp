@@ -50,8 +50,8 @@ struct SensorChoice {
 /// `first_scenarios` scenarios. Designs that are worse than the best design by more than three
 /// standard errors of the difference are removed. For the other designs, the number of scenarios
 /// doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all designs are
-/// compared. Otherwise, a greedy search begins with the best pair of sensors (of all pairs, or of
-/// 120 if there are more) and adds one sensor at a time. Three designs are then improved: the
+/// compared. For more designs, a greedy search begins with the best pair of sensors (of all pairs,
+/// but at most 120) and adds one sensor at a time. Three designs are then improved: the
 /// greedy design, and the layouts by effective independence and by kinetic energy. The search
 /// removes the least useful sensor and adds the best other sensor, until the design no longer
 /// improves. Finally, single sensors of the best of these designs are exchanged, until no exchange

@@ -53,7 +53,7 @@ struct SidChannel {
   /// The unit of samples that are not converted to SI units, because the unit is unknown or has
   /// another dimension. The result is empty if the samples are in SI units.
   [[nodiscard]] std::string foreign_unit() const;
-  /// Unit of the scaled values: "m", or a foreign unit.
+  /// Unit of the scaled values: "m", or a unit that is not converted to SI units.
   [[nodiscard]] std::string used_unit() const;
   /// Unit of the raw samples, and its conversion to SI units. The conversion factor is 1 if the
   /// scale is a parameter.

@@ -65,12 +65,12 @@ struct ChannelFit {
 /// Effect of the integration time step on the response at the best draw of a model, relative to the
 /// noise sd σ,
 ///
-///   ‖(r - r') / σ‖, r': residuals with a quarter of the time step,
+///   ‖(r - r') / σ‖ over all samples and channels, r': residuals with a quarter of the time step.
 ///
-/// over all samples and channels, where r - r' is whitened by the residual model. To first order,
-/// the error of each parameter is at most this step error times the posterior sd of the
-/// parameter. The result is empty if the solution is exact, or if shorter steps would exceed the
-/// limit.
+/// The residual model whitens r - r'. To first order, the error of each parameter is at most this
+/// step error times the posterior sd of the parameter. The result is empty if the solution is
+/// exact, or if shorter steps
+/// would exceed the limit.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
 /// Step errors above this value are reported.

@@ -23,7 +23,7 @@ struct SidProblem {
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
 };
 
-/// Returns the case with only the first `first` of its scored samples.
+/// Returns the case, restricted to its first `first` scored samples.
 [[nodiscard]] SidCase shortened(SidCase sid_case, int first);
 
 /// Makes the problem. The log likelihood of model m is

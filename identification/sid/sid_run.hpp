@@ -69,8 +69,8 @@ struct SidRun {
 
 /// Returns the sampler's options for a given run time per likelihood evaluation. If a run with the
 /// defaults takes less than about a minute on two cores, the function returns the defaults. For
-/// longer runs, it sets the number of draws to what two cores compute in one minute. The actual
-/// number of cores has no effect, because results must not depend on it.
+/// longer runs, it sets the number of draws to the number that two cores compute in one minute. The
+/// actual number of cores has no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

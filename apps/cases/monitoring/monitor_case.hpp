@@ -24,7 +24,7 @@ struct TimeAxis {
   bool has_zone = false;  ///< true if dates state their offset from UTC
   /// Converts a time in hours to the format of the case: a number, or a string for dates.
   [[nodiscard]] Report written(double hours) const;
-  /// The same time as text, for tables and messages.
+  /// A time in hours as text in this format, for tables and messages.
   [[nodiscard]] std::string text(double hours) const;
 };
 

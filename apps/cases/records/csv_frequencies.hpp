@@ -15,10 +15,10 @@ struct FrequencyCells {
   /// For a file with one test per row: names or 1-based numbers of the columns of modes 1, 2, …. If
   /// the list is empty, the file has one mode per row, in a column "frequency" and optionally the
   /// columns "sd" and "mode" (or "number"). Units in brackets are allowed. `wheeltap simulate`
-  /// writes files of this form.
+  /// writes files with one mode per row.
   std::vector<std::string> columns;
-  /// 1-based row of the test below the header; used with `columns`. It may be left out if the file
-  /// has one row.
+  /// 1-based row of the test below the header; used with `columns`. The row may be omitted if the
+  /// file has only one row.
   std::optional<int> row = {};
 };
 

@@ -111,7 +111,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   if (out.file.covariance.size() == 0)
     refuse_file(out, Pointer("/covariance"),
                 "is null: the identification method gave no uncertainty, but the data of a case "
-                "need an uncertainty: identify the modes with \"ssi-cov\", or give frequencies and "
+                "need an uncertainty. Identify the modes with \"ssi-cov\", or give frequencies and "
                 "their uncertainty in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))

@@ -228,14 +228,14 @@ std::vector<std::string> cautions(const PlanFindings& f) {
   constexpr double kLargeInteraction = 0.5;
   if (f.interaction_high > kLargeInteraction)
     out.push_back(
-        "For one pair of damages in ten, the approximation of their joint effect is wrong by more "
+        "For 10 % of the pairs of damages, the error of their approximate joint effect is more "
         "than " +
         significant(f.interaction_high, 2) +
         " standard errors per measured value. Probabilities for two damages may be too low.");
   if (f.unknown_high > kLargeInteraction)
     out.push_back(
-        "The effect of the unknown coefficients on the data is not linear: for one in ten values "
-        "of their priors, the error is more than " +
+        "The effect of the unknown coefficients on the data is not linear: for 10 % of the values "
+        "drawn from their priors, the error is more than " +
         significant(f.unknown_high, 2) +
         " standard errors per measured value. Use narrower priors, or check with --check 100.");
   if (!f.without_shapes.empty()) {

@@ -10,8 +10,8 @@
 // including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
 // mixture of normal densities. The integrals therefore have a closed form. "Other" has the equally
 // probable sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from that of the nearest damage,
-// in standard deviations of the shift. Without this cause, a shift unlike the shift of any damage
-// would count as damage if the other causes were less probable than damage.
+// in standard deviations of the shift. Without the cause "other", a shift unlike the shift of any
+// damage would count as damage whenever damage is more probable than the remaining causes.
 #pragma once
 
 #include "identification/monitoring/causes/defect_shifts.hpp"

@@ -28,11 +28,11 @@ struct LinkPath {
 /// Computes the paths for a model with parameters `theta` of the case. The tensions follow from the
 /// balance of forces,
 ///
-///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration,
+///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration.
 ///
-/// which does not need the internal state of force laws with memory. The balance of forces does not
-/// determine the tensions of links in a closed loop. In this case, and if the simulation fails, the
-/// result is empty.
+/// This balance does not need the internal state of force laws with memory. The balance of forces
+/// does not determine the tensions of links in a closed loop. In this case, and if the simulation
+/// fails, the result is empty.
 ///
 /// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured,
 /// finite differences of order eight of a measured velocity or displacement replace it (Fornberg

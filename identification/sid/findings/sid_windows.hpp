@@ -45,7 +45,7 @@ struct ModelWindows {
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
-/// cannot be wider than this prior. As in that paper, the posterior of each window is replaced by
+/// cannot be wider than this prior. As in Sedehi et al., the posterior of each window is replaced by
 /// its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
 /// this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
 ///
@@ -53,10 +53,10 @@ struct ModelWindows {
 ///
 /// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
 /// least two windows; for credible intervals of useful width, five or more. The estimates ẑ_w and
-/// s_w no longer contain the window's prior N(0, 1). Windows of further records are used in the
-/// same way. A normal log posterior decreases by 2 at two standard deviations from the posterior
-/// mode, along the regression on the parameter. If the decrease is below 1 or above 4, the window
-/// counts as far from normal.
+/// s_w no longer contain the window's prior N(0, 1). Windows of further records are used like those
+/// of the first record. A normal log posterior decreases by 2 at two standard deviations from the
+/// posterior mode, along the regression on the parameter. If the decrease is below 1 or above 4,
+/// the window counts as far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
 /// This limit differs from the mean of the estimates of the windows, because windows with more

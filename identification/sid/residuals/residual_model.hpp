@@ -63,8 +63,8 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r. A model may omit the first few. The default
-  /// implementation returns the result of `standardise`, with variance σ².
+  /// Innovations for tests of whiteness, linear in r. A residual model may omit the first few
+  /// innovations. The default implementation returns the result of `standardise`, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };

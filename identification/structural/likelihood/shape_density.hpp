@@ -31,8 +31,8 @@ namespace wheeltap::identification {
 /// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
 class ShapeDensity {
  public:
-  /// `values` is ψ, of any scale and sign. `covariance` is Σ for ψ scaled to a largest entry of 1:
-  /// m × m, positive definite without an entry of zero variance. Throws std::invalid_argument for
+  /// `values` is ψ, of any scale and sign. `covariance` is Σ (m × m) for ψ scaled to a largest entry of 1. Without
+  /// the row and column of an entry of zero variance, it must be positive definite. Throws std::invalid_argument for
   /// fewer than 2 entries, non-finite numbers, a zero shape, and an invalid covariance.
   ShapeDensity(Eigen::VectorXd values, const Eigen::MatrixXd& covariance);
 

@@ -28,9 +28,9 @@ class StiffnessPieces {
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
-  /// For a softening that leaves the fraction q of the stiffness of a strain component, this is q
-  /// (1 - q) times its energy before softening. (If a part's flexibility is 1 + a times that of the
-  /// model, the part loses a fraction of stiffness smaller by q (1 - q) a.)
+  /// If a defect reduces the stiffness of a strain component to the fraction q, the sensitivity is
+  /// q (1 - q) times the energy of the component before the reduction. (If a part's flexibility is
+  /// 1 + a times that of the model, the part loses a fraction of stiffness smaller by q (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;

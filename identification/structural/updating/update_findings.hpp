@@ -27,7 +27,7 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation` refers to their z in a solution.
+/// Two parameters that the data cannot distinguish; `correlation` is that of their coordinates z in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
@@ -69,8 +69,8 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// True if the mode deviates by more than the stated standard deviations allow: frequency by 3
-  /// sd, or shape with p below 1e-3. False for spurious modes.
+  /// True if the mode deviates by more than the stated standard deviations allow: its frequency by
+  /// more than 3 sd, or its shape with p below 1e-3. False for spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
