@@ -183,7 +183,7 @@ void convert_file(const MeasuredFile& file, const std::string& to) {
                     file.path.string() + ": contains no dataset that can be written as " + to);
   } else {
     throw Failure(Exit::usage,
-                  "--to " + to + ": must be csv, nc or uff, or a file name with such an extension");
+                  "--to " + to + ": must be csv, nc or uff, or a file name with one of these extensions");
   }
   write_text(path, text);
   std::cout << "\nConverted: " << io::printable(path.string()) << "\n";

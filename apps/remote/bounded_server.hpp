@@ -27,9 +27,9 @@ struct ConnectionBounds {
 };
 
 /// A server that gives each connection a thread and a deadline, and limits the number of
-/// connections. The server of httplib lacks such limits: a connection occupies a thread of its pool
-/// as long as single bytes arrive, and request bodies of unknown length may have any size. The
-/// caller must limit the work that a request causes.
+/// connections. The server of httplib has no limits per connection: a connection occupies a thread
+/// of its pool as long as single bytes arrive, and request bodies of unknown length may have any
+/// size. The caller must limit the work that a request causes.
 class BoundedServer : public httplib::Server {
  public:
   explicit BoundedServer(const ConnectionBounds& bounds);

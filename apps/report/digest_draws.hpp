@@ -13,7 +13,7 @@
 
 namespace wheeltap::apps {
 
-// Models with a smaller probability have no charts
+// Models with a probability below this value have no charts
 inline constexpr double kCharted = 0.005;
 inline constexpr std::size_t kHistoryPoints = 400;  // points per chain in the histories
 

@@ -63,8 +63,8 @@ class CaseRun {
 
 /// Runs the case, writes summary.json, posterior.nc and the report into the output folder, and
 /// prints the findings. With --dry-run, the function only estimates the cost. With --resume, if the
-/// folder has a finished run of the same case and options, it only prints the stored text. Throws
-/// Failure, io::FileError.
+/// folder has a finished run of the same case and options, the function only prints the stored
+/// text. Throws Failure, io::FileError.
 void run_case(CaseRun& run);
 
 }  // namespace wheeltap::apps

@@ -32,7 +32,7 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
 void require_room(const RunCost& cost, const CommonOptions& common);
 
 /// Returns the time [s] spent on measuring the time of a likelihood evaluation: 0.5 s with
-/// --dry-run, otherwise 0.1 s.
+/// --dry-run, 0.1 s without.
 [[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
   return common.dry_run ? 0.5 : 0.1;
 }

@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 /// Extrapolates the time of the present stage from its elapsed time. For later stages, the time per
-/// likelihood evaluation is the smaller of two averages, over this stage and over the whole run,
-/// because this stage may have few evaluations so far.
+/// likelihood evaluation is the smaller of two averages: over this stage and over the whole run.
+/// This stage may have few evaluations so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound [s] of the time per likelihood evaluation in later stages; 0

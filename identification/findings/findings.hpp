@@ -62,7 +62,7 @@ struct ModelFinding {
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
-  /// The marginal of a component's parameter; nullptr if the model does not have it.
+  /// The marginal of a component's parameter; nullptr if the model does not have this parameter.
   [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
   /// The marginal of a parameter of the model itself; nullptr if no parameter has this name.
   [[nodiscard]] const Marginal* find(const std::string& name) const;

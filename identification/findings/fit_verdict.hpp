@@ -41,8 +41,8 @@ struct BeyondNoise {
   double p;                ///< posterior predictive p
   std::vector<int> modes;  ///< numbers of modes whose frequencies deviate by > 3 sd
   bool emulated;           ///< true if an emulator computes the predictions
-  /// False if the log likelihoods of the Markov chains differ by more than the misfit. The chains
-  /// may then have missed damages that explain the frequencies.
+  /// False if the log likelihoods of the Markov chains differ by more than the misfit. Chains that
+  /// disagree may have missed damages that explain the frequencies.
   bool chains_agree = true;
 };
 /// Reason for a misfit: predicted and measured frequencies differ by less than the stated noise

@@ -345,8 +345,8 @@ struct StopNotReached {
   double share;
 };
 
-/// The analysis assumes that the model error is the same in all states, so that it cancels.
-/// Estimated changes between states therefore do not include the model error.
+/// The analysis assumes that the model error is the same in all states, so that this error cancels
+/// in changes. Estimated changes between states therefore do not include the model error.
 struct ChangesTakenForExact {
   /// Relative standard deviation of the model error of a frequency.
   double discrepancy;

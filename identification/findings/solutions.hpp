@@ -28,7 +28,7 @@ struct Solution {
   double chi_square = 0.0;  ///< χ² of the residuals at `best`; NaN if not computed
 };
 
-/// Solutions with a smaller probability are omitted.
+/// Solutions with a probability below this value are omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {

@@ -58,8 +58,8 @@ void carry(Parcel& parcel, Of& r) {
 /// One-step innovations of healthy rows, n x p.
 struct Innovations {
   Eigen::MatrixXd standardised = {};  ///< innovations divided by their scales; NaN: missing
-  /// Noise variance of each entry, divided by the usual noise variance of the feature. Empty if the
-  /// series states no standard deviations; the ratio is then 1.
+  /// Noise variance of each entry, divided by the usual noise variance of the feature. Empty (all
+  /// ratios are 1) if the series states no standard deviations.
   Eigen::MatrixXd relative_variance = {};
 };
 

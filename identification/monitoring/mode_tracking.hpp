@@ -11,9 +11,9 @@
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
 //
 // The density of spurious modes over ln f is λ. The density p(ln f) is Student's t about m_k mixed
-// with a broad normal density, so that a mode remains assigned after damage has shifted it by
-// several per cent. The density p(1 - MAC) is exponential, mixed with the uniform density of
-// spurious modes.
+// with a broad normal density, so that a mode remains assigned after damage has shifted its
+// frequency by several per cent. The density p(1 - MAC) is exponential, mixed with the uniform
+// density of spurious modes.
 //
 // The marginal probabilities of all pairs (tracked mode, identified mode) are exact sums over
 // assignments. A recursion over tracked modes and over sets of identified modes computes these sums

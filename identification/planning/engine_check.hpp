@@ -35,7 +35,7 @@ struct CheckedTest {
   EngineOutcome engine;
 };
 
-/// A run with a larger `truth_gain` [nats] has missed the true damage.
+/// If `truth_gain` [nats] exceeds this value, the run has missed the true damage.
 inline constexpr double kMissed = 3.0;
 /// Index of the first checked test; scores and searches use tests with smaller indices.
 inline constexpr std::uint64_t kFirstCheck = std::uint64_t{1} << 40;

@@ -55,8 +55,8 @@ struct SidRun {
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
 /// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
-/// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
-/// is expensive; it is never repeated. Throws InvalidInput, and the exceptions of `sample`.
+/// fixes the time steps. A quick run is never repeated; it uses only the first samples if the
+/// likelihood of all samples is expensive. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
 /// Returns better integrator settings if the step error is too large compared with the noise
@@ -69,8 +69,8 @@ struct SidRun {
 
 /// Returns the sampler's options for a given run time per likelihood evaluation. If a run with the
 /// defaults takes less than about a minute on two cores, the function returns the defaults. For
-/// longer runs, it sets the number of draws to the number that two cores compute in one minute. The
-/// actual number of cores has no effect, because results must not depend on it.
+/// longer runs, the function sets the number of draws to the number that two cores compute in one
+/// minute. The actual number of cores has no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

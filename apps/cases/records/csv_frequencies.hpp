@@ -46,9 +46,9 @@ struct FrequencyTable {
 
 /// Parses the frequencies of repeated tests. The text has one test per row and one mode per column.
 /// `columns` are the names (or 1-based numbers) of the columns of modes 1, 2, …. If the list is
-/// empty, this function uses the columns with a unit of frequency. If no column has such a unit, it
-/// uses all columns. The result has one row per test, in Hz, with NaN for a missing value. Every
-/// row must have as many cells as the header. Throws like parse_frequency_csv.
+/// empty, this function uses the columns with a unit of frequency. If no column has a unit of
+/// frequency, the function uses all columns. The result has one row per test, in Hz, with NaN for a
+/// missing value. Every row must have as many cells as the header. Throws like parse_frequency_csv.
 [[nodiscard]] std::vector<std::vector<double>> parse_repeats_csv(
     std::string bytes, const std::filesystem::path& name, const std::vector<std::string>& columns);
 

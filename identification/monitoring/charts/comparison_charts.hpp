@@ -55,7 +55,7 @@ struct ChartFinding {
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 
-/// Runs all charts that are possible for the series. The first `learning_rows` rows train them.
+/// Runs all charts that are possible for the series. The first `learning_rows` rows train the charts.
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 

@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 ///   free cubic springs counts;
 /// - after the window (SidCase::beyond), a residual exceeds kSmallResidual times the response and
 ///   is more than twice the residual within the window, absolutely and relative to the response.
-///   The residual counts as a misfit only if all of up to 400 draws have such a residual.
+///   This is a misfit only if the residuals of all examined draws (at most 400) meet the condition.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

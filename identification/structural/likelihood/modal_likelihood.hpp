@@ -35,7 +35,7 @@ struct ModalNoise {
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
-/// limited to 1, because the first-order expansion is not valid beyond ( Fox & Kapoor 1968, AIAA J.
+/// limited to 1, because the first-order expansion is not valid above 1 (Fox & Kapoor 1968, AIAA J.
 /// 6:2426). For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
@@ -56,8 +56,8 @@ struct ModalNoise {
 /// are close and similar.
 ///
 /// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
-/// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the mixing sd
-/// of the closest mode is √(mixing_sd² + τ²).
+/// computed mode by `mixing_sd`. With mixing, close modes (below) are not rotated. Instead, the
+/// mixing sd of the closest mode is √(mixing_sd² + τ²).
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and

@@ -44,11 +44,11 @@ namespace wheeltap::identification {
 /// the same `known`; see StiffnessErrors.
 ///
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
-/// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
-/// solutions. Without reanalysis, each structure is assembled at θ, changed by its damages and
-/// masses, and solved by SubspaceModes. States that differ only in temperature share a solution.
-/// Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change
-/// only the q_j, for any rank of K_j.
+/// the whole structure are unknown. The constructor compares `kReanalysed` solutions by reanalysis
+/// with full solutions. Without reanalysis, each structure is assembled at θ, changed by its
+/// damages and masses, and solved by SubspaceModes. States that differ only in temperature share a
+/// solution. Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ and
+/// damages change only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that the constructor compares with full solutions.
