@@ -24,12 +24,12 @@ struct Coulomb {
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
-          "A number or name in place of the object is the force F of the exact law. In stick, the "
-          "tension takes the value between -F and F that keeps ė = 0. Wheeltap computes the time "
-          "of each change between stick and slip. A `velocity` v regularises the law. For |ė| < v, "
-          "the law is then nearly a damper F/v, so that the link creeps instead of sticking. A "
-          "small v requires small time steps. Use `velocity` only to reproduce results that were "
-          "computed with the regularised law.",
+          "If a number or a name replaces the object, it is the force F of the exact law. In "
+          "stick, the tension takes the value between -F and F that keeps ė = 0. Wheeltap "
+          "computes the time of each change between stick and slip. A `velocity` v regularises "
+          "the law. For |ė| < v, the law is then nearly a damper F/v, so that the link creeps "
+          "instead of sticking. A small v requires small time steps. Use `velocity` only to "
+          "reproduce results that were computed with the regularised law.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
                          .role = factor_of(0),
