@@ -3,7 +3,7 @@
 // Eigen's vectors and matrices cross the library boundary by value: one side allocates memory and
 // the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED. Without
 // explicit settings, this macro and EIGEN_MAX_ALIGN_BYTES follow from the compiler's option -march.
-// wheeltap::base sets both macros for its users. Without these settings, compilation stops here,
+// The target wheeltap::base sets both macros. Without these settings, compilation stops here,
 // because the program could crash in free().
 //
 // EIGEN_NO_CPUID: by default, Eigen splits sums of products by cache sizes read from the processor.

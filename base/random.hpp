@@ -1,5 +1,5 @@
 // Counter-based random numbers. A random number depends only on seed, chain, iteration, purpose and
-// its position in the stream. The number of threads and other streams have no effect.
+// its index in the stream. The number of threads and other streams have no effect.
 #pragma once
 
 // Philox uses only integer arithmetic. Without R123_USE_SSE = 0, Random123 includes the headers of

@@ -8,7 +8,7 @@
 
 namespace wheeltap::base {
 
-/// Exit codes of a shell that does not find a program, or that cannot run the program.
+/// Exit codes of a shell for a program that does not exist, and for a program that cannot be run.
 inline constexpr int kProgramNotFound = 127, kNotRunnable = 126;
 
 struct ProgramStart {

@@ -62,16 +62,16 @@ struct Rates {
 };
 
 /// Computes Gershgorin's bounds of the rates from the rows of M⁻¹ K and M⁻¹ C. Each force law
-/// enters with its largest slope for extensions up to `extension[link]` [m]. If `extension` is
+/// contributes its largest slope at extensions up to `extension[link]` [m]. If `extension` is
 /// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for
-/// one mass. `paces` computes the rates that grow with the speed of a link.
+/// one mass. `paces` computes the rates that grow with |ė|.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 
-/// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
+/// True if the chain has a force law whose rates grow with the velocity |ė| (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes, for each link, the increase of the rates per unit of the speed of the link [1/m]. At
+/// Computes, for each link, the increase of the rates per unit velocity |ė| of the link [1/m]. At
 /// the speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s],
 /// with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). Here, a rate is a damping rate
 /// (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.

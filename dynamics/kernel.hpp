@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::kernel {
 
-// The loops use only plain arrays. With library code, the linker could select functions compiled
-// for AVX-512 and use them on every processor.
+// The loops use only plain arrays. With library code, the linker could select functions with
+// AVX-512 instructions for every processor.
 
 struct LawTerm {
   int kind = 0;
@@ -19,7 +19,7 @@ struct LawTerm {
 struct LinkTerm {
   int a = 0, b = 0;
   int slot = 0;       ///< slot of the stiffness; the next slot holds the damping
-  int pace_slot = 0;  ///< slot of the pace [1/m]: rate of the force laws per unit of link speed
+  int pace_slot = 0;  ///< slot of the pace [1/m]: rate of the force laws per unit link velocity
                       ///< (`paces`)
   int law_begin = 0, law_end = 0;
   bool turning = false;  ///< true if the link has a force law with memory (not smooth at ė = 0)

@@ -34,8 +34,8 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// Role of a coefficient in its force law. The role and the motion of the link determine the order
-/// of magnitude of the coefficient.
+/// Role of a coefficient in its force law. The role and the amplitudes of e and ė determine the
+/// order of magnitude of the coefficient.
 struct LawRole {
   enum class Kind {
     other,      ///< order of magnitude unknown

@@ -7,8 +7,8 @@
 
 namespace wheeltap::dynamics {
 
-/// Criterion of step halving. When the time steps are halved, the change of the response is the
-/// largest value over all sensors of
+/// Criterion of step halving. The change of the response due to halved time steps is the maximum
+/// over all sensors of
 ///
 ///   ‖r - r'‖ / ‖r'‖,   where r' is the response with time steps half as long.
 struct StepCheck {
@@ -23,8 +23,8 @@ struct CheckedResponse {
   Response response;
   double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
                         ///< has no truncation error
-  /// Options of the simulation that gave the response. The options contain the extensions of the
-  /// links and the step limit that was sufficient.
+  /// Options of the simulation that computed the response. The options contain the extensions of
+  /// the links and the step limit that was sufficient.
   SimulatorOptions options;
 };
 

@@ -25,8 +25,8 @@ enum class Additive {
 
 /// A second-order cut high-dimensional model representation (cut-HDMR; Rabitz & Alış 1999, General
 /// foundations of high-dimensional model representations, section 3). The reference is the
-/// structure without components. For components c_1 … c_k with m factors each and g the additive
-/// quantity of a response,
+/// structure without components. For the additive quantity g of a response and components c_1 … c_k
+/// with m factors each,
 ///   g(c_1…c_k) ≈ g_0 + Σ_i g_i + Σ_{i<j} g_ij,
 ///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,
 /// where G_1 and G_2 are the values for one and for two components. The sum is

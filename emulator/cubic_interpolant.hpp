@@ -25,12 +25,12 @@ enum class AxisRule {
 /// grid. The rule cubic reproduces parabolas; monotone_cubic reproduces parabolas if the limit of d
 /// is not active. For smooth data, the error is of third order in the spacing, and of second order
 /// near an extremum that monotone_cubic flattens. Use cubic along a factor along which responses
-/// oscillate. A factor whose value is exactly a level needs no interpolation. Evaluations do not
-/// allocate memory. Several threads may call `evaluate` at once.
+/// oscillate. If the value of a factor equals a level, no interpolation along this factor is
+/// necessary. Evaluations do not allocate memory. Several threads may call `evaluate` at once.
 class CubicInterpolant final : public Interpolant {
  public:
-  /// Largest number of stencil nodes in an evaluation. The number of nodes is a product over the
-  /// factors, of 4 (cubic) or 2 (linear) for each factor.
+  /// Largest number of stencil nodes in an evaluation. The number of nodes is the product of one
+  /// number per factor: 4 (cubic) or 2 (linear).
   static constexpr std::size_t kMostNodes = 4096;
 
   /// `values` has the size runs × responses, with rows in the order of `full_factorial(factors)`.
@@ -56,8 +56,8 @@ class CubicInterpolant final : public Interpolant {
   std::vector<AxisRule> rules_;
 };
 
-/// Interpolant type with the rule cubic along factors along which responses oscillate
-/// (TrainingOptions::waves), and monotone_cubic along the other factors.
+/// Interpolant type with the rule cubic for factors along which responses oscillate
+/// (TrainingOptions::waves), and the rule monotone_cubic for the other factors.
 extern const InterpolantType kCubic;
 /// Interpolant type with the rule monotone_cubic along every factor.
 extern const InterpolantType kMonotoneCubic;

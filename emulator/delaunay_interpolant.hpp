@@ -30,7 +30,7 @@ class DelaunayInterpolant final : public Interpolant {
   /// points outside the factors' ranges, duplicate points and values that are not finite. Also
   /// throws std::invalid_argument for fewer than d + 1 points, and for points that all lie in a
   /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors:
-  /// the corners of a cell lie on a sphere, so their triangulation is arbitrary. For grids, use
+  /// the corners of a cell lie on a sphere, so the triangulation is not unique. For grids, use
   /// MultilinearInterpolant.
   DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
 

@@ -1,5 +1,5 @@
-// Interpolants of the runs of a table, and the description of each interpolant type: its name in a
-// case file, the layout of runs that it accepts, and its training function.
+// Interpolants of the runs of a table, and the description of each interpolant type: name in a case
+// file, accepted layout of the runs, and training function.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace wheeltap::emulator {
 
-/// Leave-one-out predictions: each run is predicted from all other runs.
+/// Leave-one-out predictions: the prediction of each run is based on all other runs.
 struct LeaveOneOut {
   RowMatrix mean;      ///< runs × responses
   RowMatrix variance;  ///< variance of the prediction, including the noise of the run

@@ -261,7 +261,7 @@ struct Reader {
       doubles(group, id, f.levels.size(), f.levels.data());
       t.factors.push_back(std::move(f));
     }
-    if (scattered && axes.size() != 2) fail("a table of scattered runs has grid dimensions");
+    if (scattered && axes.size() != 2) fail("a table of scattered points has grid dimensions");
     if (scattered) t.points.resize(static_cast<Eigen::Index>(runs), 0);
     const std::size_t responses = length(group, axes.back());
     t.values.resize(static_cast<Eigen::Index>(runs), static_cast<Eigen::Index>(responses));

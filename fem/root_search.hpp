@@ -21,7 +21,7 @@ struct Found {
   int below = 0;        ///< number of eigenvalues below `at`
 };
 
-/// The intact modes, and the quantities of the defects from which bounds of the roots follow. The
+/// The intact modes, and those properties of the defects that determine bounds of the roots. The
 /// caller owns the arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
@@ -35,7 +35,7 @@ struct SecularProblem {
   int columns;
   int supports;                         ///< number of support columns, which come first
   int held;                             ///< number of degrees of freedom that the supports remove
-  double least_remaining;               ///< root i >= least_remaining · λ_i; may be 0
+  double least_remaining;               ///< root i is at least least_remaining · λ_i; may be 0
   double added_stiffness;               ///< stiffness of the springs, a bound of the increase of
                                         ///< any root
   const double* c;                      ///< columns × stride

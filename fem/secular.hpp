@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code: from such code, the
-// linker could select a function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: the linker could select
+// a library function with AVX-512 instructions for every processor.
 
 inline constexpr int kLanes = 8;      ///< number of values of λ that are evaluated together
 inline constexpr int kPairChunk = 5;  ///< number of entries of e eᵀ that are summed together
@@ -16,8 +16,8 @@ struct alignas(64) Pack {
   double lane[kLanes];
 };
 
-/// The secular function of one set of defects, in coordinates of the intact modes. The static term
-/// of each mode is subtracted, so that the columns of supports can include rigid-body modes:
+/// The secular function of one set of defects, in intact modal coordinates. The static term of each
+/// mode is subtracted, so that the columns of supports can include rigid-body modes:
 ///
 ///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
 ///
@@ -26,7 +26,7 @@ struct alignas(64) Pack {
 /// s_j is the lowest elastic eigenvalue. J, the value of S at κ = 0, is diagonal: -1 for supports,
 /// which come first, and 1 for damaged elements. `DefectColumns` scales the columns c accordingly.
 /// The modes far above the requested range, j >= `near`, are represented by a Chebyshev series of κ
-/// / λ in λ over [0, cap], exact to rounding.
+/// / λ in λ over [0, cap], accurate to rounding.
 struct Secular {
   int columns = 0;   ///< m
   int supports = 0;  ///< number of support columns, which come first

@@ -6,7 +6,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// A range of λ, with the near modes and the series by which S is computed in this range
+/// A range of λ, with the near modes and the series for the computation of S in this range
 /// (`Secular`).
 struct Window {
   int near = 0;

@@ -28,7 +28,7 @@ struct Options {
   /// chains. The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given.
   /// The result of a quick run never counts as converged.
   bool quick = false;
-  /// Run without likelihood; the resulting posterior must equal the prior
+  /// True: run without likelihood; the resulting posterior must equal the prior
   bool prior_only = false;
 
   /// Moves that the engine may use.
@@ -43,7 +43,7 @@ struct Options {
   };
   Moves moves{};
 
-  /// Parallel tempering also for the draws, with the ladder of temperatures from warm-up. If
+  /// True: parallel tempering also for the draws, with the temperature ladder from warm-up. If
   /// `draws` is 0, the engine enables tempering when the chains disagree without tempering.
   bool tempered_draws = false;
 

@@ -16,7 +16,7 @@ namespace wheeltap::io {
 /// child prints is lost. A FileError of `read` is rethrown here, other exceptions as
 /// std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a limit. The
 /// limit of processor time is `seconds`; if `seconds` is 0, the limit is `most_seconds` of the
-/// file's size. The memory limit of the child is the present memory of this process plus
+/// file's size. The memory limit of the child is the memory that this process currently uses plus
 /// `most_bytes`. Throws std::bad_alloc if the system allows this process less memory than this
 /// limit, or if the system killed the child. The child ignores the signals that request a stop.
 ///

@@ -22,19 +22,19 @@ struct ChannelQuality {
   bool constant = false;
 
   /// Dropouts: sequences of equal samples that are too long to occur by chance. A dropout has at
-  /// least five samples. Fewer than 0.001 sequences of its length are expected by chance in a
-  /// record of this size. The expectation follows from the fraction p of pairs of neighbouring
+  /// least five samples. Its length is such that chance would cause fewer than 0.001 equally long
+  /// sequences in this record. This number follows from the fraction p of pairs of neighbouring
   /// samples that are equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
   /// sequences of at least three samples count.
   long clipped_high = 0, clipped_low = 0;
   /// Spikes: single samples that differ from the cubic through two neighbours on either side by
-  /// more than 12 local robust standard deviations of that difference. After the cubic's value has
-  /// replaced the sample, the differences of the neighbouring samples must be below this limit. The
-  /// difference is the output of a linear filter, and is therefore Gaussian for a Gaussian record
-  /// of any bandwidth. If more than a thousandth of all samples satisfy the criterion, these
-  /// samples belong to the signal and the list is empty.
+  /// more than 12 local robust standard deviations of that difference. After the sample is replaced
+  /// by the value of the cubic, the differences of the neighbouring samples must be below this
+  /// limit. The difference is the output of a linear filter, and is therefore Gaussian for a
+  /// Gaussian record of any bandwidth. If more than a thousandth of all samples satisfy the
+  /// criterion, these samples belong to the signal and the list is empty.
   std::vector<long> spikes = {};
   /// Trend: rise of the fitted line over the whole record, divided by the standard deviation of the
   /// samples about this line.

@@ -270,7 +270,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
     const double step = t[worst] - t[worst - 1];
     std::string remedy = "state \"resample\": true to interpolate at a constant rate";
     if (step == 0.0) remedy = "delete the repeated row";
-    if (step < 0.0) remedy = "cut the file there if another run begins, or delete the row";
+    if (step < 0.0) remedy = "cut the file there if a new measurement begins, or delete the row";
     if (step > kLongestGap * median)
       remedy = "cut the file there: the gap is too long to interpolate";
     fail(record, record.place(worst, time_column), what + "; " + remedy);

@@ -29,7 +29,7 @@ struct Spectrum {
                              WelchOptions options = {});
 
 /// Frequency response function between the input x and the output y. H1 = S_xy / S_xx is the
-/// estimate for noise on the output only, and H2 = S_yy / S_yx the estimate for noise on the input
+/// estimate for noise in the output only, and H2 = S_yy / S_yx the estimate for noise in the input
 /// only. The coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment
 /// is always 1.
 struct FrequencyResponse {
@@ -49,8 +49,8 @@ struct SpectrumComparison {
   Spectrum full, window;
   double power_ratio = 1.0;  ///< variance of the window divided by the variance of the record
   /// `difference_db` is the root mean square of 10 log₁₀(window / full) over the frequencies that
-  /// contain 99.9 % of the record's power. `expected_db` is the expected value of this difference
-  /// between two independent estimates of the same spectrum.
+  /// contain 99.9 % of the record's power. `expected_db` is the expected value of `difference_db`
+  /// for two independent estimates of the same spectrum.
   double difference_db = 0.0;
   double expected_db = 0.0;
 };

@@ -57,8 +57,8 @@ class Exact {
     return block;
   }
 
-  /// Assembles the lower halves of A and B, with the time step as unit of time. A force law whose
-  /// bit is set in `regime` enters as a spring T = k e - side · k · threshold.
+  /// Assembles the lower halves of A and B, with the time step as unit of time. Each force law
+  /// whose bit in `regime` is set acts as a spring T = k e - side · k · threshold.
   void assemble(unsigned regime) {
     const int m = masses(), n = order();
     const double h = task_.step, h2 = h * h;

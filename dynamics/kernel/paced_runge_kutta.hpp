@@ -7,11 +7,11 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The scheme of RungeKutta for chains with force laws whose rate grows with the speed of the link
-/// (LawInfo::paced). For such chains, no constant time step is suitable both near rest and in fast
-/// motion. Let s be the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum
-/// over the links of (rate per unit of speed) · (|ë| + largest change of the drive within a step).
-/// A time step τ is at most the sample interval divided by task.substeps, and satisfies
+/// The scheme of RungeKutta for chains with force laws whose rate grows with |ė| (LawInfo::paced).
+/// For these chains, no constant time step is suitable both near rest and at high velocities. With
+/// the rate per unit velocity r of each link, s is the sum of r |ė| over the links, and s' is the
+/// sum of r (|ë| + largest change of the drive within a step). A time step τ is at most
+/// 1/task.substeps of the sample interval, and satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
@@ -77,11 +77,11 @@ class PacedRungeKutta {
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Product of rate and time step above which the scheme counts as unstable (exact limit on the
+  /// Limit of rate times time step above which the scheme counts as unstable (exact limit on the
   /// negative real axis: 2.79).
   static constexpr double kUnstable = 2.5;
   /// Largest number of friction events in a sample interval. After this number of events, links
-  /// keep their state (slip or stick) until the end of the interval.
+  /// keep slipping or sticking until the end of the interval.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;

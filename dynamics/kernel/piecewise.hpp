@@ -7,12 +7,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Integrates chains whose force laws are all springs beyond a threshold. A chain with such springs
-/// is linear between two switches. A sample interval without a switch uses the exact solution of
-/// the current regime. An interval with a switch uses Taylor series. A switch is detected if the
-/// sign of e - threshold has changed at the end of the interval, or if its tangents at both ends
-/// cross zero. If the sample interval is long relative to the shortest natural period, all
-/// intervals use Taylor series.
+/// Integrates chains whose force laws are all springs active beyond a threshold. A chain with such
+/// springs is linear between two switches. A sample interval without a switch uses the exact
+/// solution of the current regime. An interval with a switch uses Taylor series. A switch is
+/// detected if e - threshold has changed its sign at the end of the interval, or if the tangents of
+/// e at both ends cross the threshold. If the sample interval is long relative to the shortest
+/// natural period, all intervals use Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:

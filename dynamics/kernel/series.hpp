@@ -195,8 +195,8 @@ class Series {
   }
 
  private:
-  /// Largest number of switches per sample interval. After this number of switches, a force law
-  /// that switches repeatedly at its threshold keeps its state.
+  /// Largest number of switches per sample interval. After this number of switches, the force laws
+  /// keep their state (active or inactive) until the end of the interval.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
   /// Tolerances of switching times [sample intervals], for springs and for friction. The tension of
@@ -295,9 +295,9 @@ class Series {
       acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which link f changes
-  /// between stick and slip; 2: no change. Writes to `side` the direction (+1 or -1) in which the
-  /// friction link starts to slide.
+  /// Returns the first time in [0, length] at which link f changes between stick and slip (length
+  /// <= 1 sample interval), or 2 if it does not. Writes to `side` the direction (+1 or -1) in which
+  /// the friction link starts to slide.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);
@@ -357,10 +357,10 @@ class Series {
     }
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which force law i
-  /// switches, that is, at which sign · (side · e - threshold) becomes negative; 2: no switch. If
-  /// the force law has just switched, the polynomial has a root at the start; this root is divided
-  /// out of the polynomial.
+  /// Returns the first time in [0, length] at which force law i switches (length <= 1 sample
+  /// interval): sign · (side · e - threshold) becomes negative. Returns 2 if it does not switch. If
+  /// the force law has just switched, the polynomial has a root at the start, which is first
+  /// removed.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -374,13 +374,13 @@ class Series {
     return first_root(g, length, kSwitchCloseness);
   }
 
-  /// Divides the root at τ = 0 out of g, in the lanes of `fresh`.
+  /// Divides the polynomial g by τ, and so removes its root at τ = 0, in the lanes of `fresh`.
   WHEELTAP_INLINE void shift(V* g, V fresh) const {
     for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which g becomes
-  /// negative, or 2 if g does not become negative.
+  /// Returns the first time in [0, length] at which g becomes negative (length <= 1 sample
+  /// interval), or 2 if g does not become negative.
   WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
     const int degree = task_.degree;
     V falls[kMaxDegree + 1] = {};
@@ -409,8 +409,8 @@ class Series {
     return sum;
   }
 
-  /// Finds the root of g in [0, high] for each lane that `wanted` selects, by Newton's method
-  /// safeguarded by bisection. Requires at_high = g(high) < 0. The last Newton step is at most
+  /// Finds the root of g in [0, high] in each lane that `wanted` selects, by Newton's method with
+  /// bisection as safeguard. Requires at_high = g(high) < 0. The last Newton step is at most
   /// `closeness` sample intervals, so that the error of the root is about the square of
   /// `closeness`.
   static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {

@@ -58,14 +58,14 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// Records which trajectories have failed. The class finds NaN by comparisons, which are false
-/// for NaN, because the compiler may simplify arithmetic such as 0 · x.
+/// Records which trajectories have failed. The class detects NaN by comparisons, which are false
+/// for NaN. Products such as 0 · x are not used, because the compiler may simplify them.
 class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
-  /// Checks a displacement; the caller must call this function for every mass at every sample. A
-  /// lane whose displacement has once exceeded the bound remains failed.
+  /// Checks a displacement; the caller must call this function for every mass at every sample.
+  /// After a displacement has exceeded the bound, the lane remains marked as failed.
   WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }

@@ -21,9 +21,9 @@ struct FullSpectrum {
 
 /// Computes all modes by `lowest_modes` in O(n²) operations. With long double alone, the
 /// eigenvectors of the low modes would have an error of 2⁻⁶⁴ λ_max / λ_j, for example 1e-8 for a
-/// beam on soft springs. The reanalysis would divide this error by the remaining fraction of the
-/// stiffness. A fully restrained beam has no modes. Throws std::invalid_argument for an invalid
-/// beam, and std::runtime_error if an iteration does not converge.
+/// beam on soft springs. The reanalysis divides the errors of the modes by the remaining fraction
+/// of the stiffness. A fully restrained beam has no modes. Throws std::invalid_argument for an
+/// invalid beam, and std::runtime_error if an iteration does not converge.
 [[nodiscard]] FullSpectrum full_spectrum(const Beam& beam);
 
 }  // namespace wheeltap::fem

@@ -18,15 +18,15 @@ namespace wheeltap::fem {
 ///
 /// The number of eigenvalues of the damaged beam below λ is the number of intact eigenvalues below
 /// λ, plus the negative inertia of S(λ), minus the number of supports (Wittrick & Williams 1971;
-/// Haynsworth 1968). This count brackets every root, so the method misses no mode and exchanges no
+/// Haynsworth 1968). This count brackets every root, so the method neither misses nor interchanges
 /// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
 /// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
 /// Chebyshev series for modes far above the requested ones. From a first-order estimate, the search
 /// for a root needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six.
-/// Initial values from a previous call, for example in a Markov chain, would save little time, and
-/// results would depend on earlier calls.
+/// Initial values from a previous call, e.g. in a Markov chain, are not used: they would save
+/// little time and make results depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object; each
 /// thread needs a separate workspace.
@@ -63,8 +63,8 @@ class Reanalysis {
     std::span<double> shapes;
     std::span<const Point> points;  ///< locations at which shapes are requested
     /// n × supports: ∂f/∂k for the stiffness k of each listed support, with the other defects fixed
-    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support of a displacement that is
-    /// already restrained.
+    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support at an already restrained
+    /// displacement.
     std::span<double> support_gradients_hz = {};
   };
 
@@ -77,7 +77,7 @@ class Reanalysis {
   };
 
   /// Returns an upper bound of the relative error of the frequency `frequency_hz` with these
-  /// defects, compared with exact arithmetic on the same mesh:
+  /// defects, with respect to exact arithmetic on the same mesh:
   ///
   ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ),
   ///
@@ -87,8 +87,8 @@ class Reanalysis {
   /// two cases. In the first case, added supports restrain a free beam, and compliances of hinges
   /// and soft springs nearly cancel those of the supports. In the second case, the finite-element
   /// model has only slightly more modes than the damaged elements have strain-displacement vectors.
-  /// The form of this error bound follows from rounding analysis. The factors of the error bound
-  /// are chosen such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// The form of this error bound follows from an analysis of rounding errors. Its factors are
+  /// chosen such that the bound holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -115,7 +115,7 @@ class Reanalysis {
   /// equation 5), with γ = -k for a spring. The gradients take negligible additional run time. For
   /// a multiple eigenvalue, the gradients are those of one basis of its eigenspace. Throws
   /// std::invalid_argument in the same cases as `frequencies_hz`, and if a span has the wrong size.
-  /// Throws std::runtime_error if a mode shape cannot be separated from the others.
+  /// Throws std::runtime_error if a mode shape cannot be separated from other mode shapes.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 
@@ -125,9 +125,9 @@ class Reanalysis {
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
   /// locations are the midpoints of the two neighbouring elements. For an element at an end of the
   /// beam, the locations are the midpoints of this element and its neighbour. The slope is 0 for a
-  /// beam of one element. A support acts at a point. For a support, the two locations are 10⁻³
-  /// element lengths before and behind the support, but not outside the beam. Throws the exceptions
-  /// of `solve`.
+  /// beam of one element. A support acts at a point. The two locations are 10⁻³ element
+  /// lengths on either side of the support, but not outside the beam. Throws the exceptions of
+  /// `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

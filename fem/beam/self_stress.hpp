@@ -8,8 +8,8 @@
 
 namespace wheeltap::fem {
 
-/// Let the rows of B be the strain-displacement vectors of elements and springs, so that K = Bᵀ B.
-/// The self-stresses are the null space of Bᵀ. The number of self-stresses is the degree of static
+/// The rows of B are the strain-displacement vectors of elements and springs, so that K = Bᵀ B. The
+/// self-stresses are the null space of Bᵀ. The number of self-stresses is the degree of static
 /// indeterminacy (0 for a cantilever or a simply supported beam). The orthonormal columns Q satisfy
 ///
 ///   Q Qᵀ = I - B K⁻¹ Bᵀ = I - Σ_j c_j c_jᵀ / λ_j

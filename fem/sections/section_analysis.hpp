@@ -76,10 +76,10 @@ struct SectionLevel {
 };
 
 /// Relative change of each property at the last mesh refinement. For a property near zero, the
-/// change is divided by a reference value instead: by 1e-4 (I_yy + I_zz)²/A for Γ, by a tenth of
-/// the radius of gyration for a centre, and by a twentieth of √(α_yy α_zz) for α_yz. The remaining
-/// error is smaller than the change: it is the change divided by 2^p - 1, where p is the order of
-/// convergence (4 for smooth solutions).
+/// change is divided by a reference value: by 1e-4 (I_yy + I_zz)²/A for Γ, by a tenth of the
+/// radius of gyration for a centre, and by a twentieth of √(α_yy α_zz) for α_yz. The remaining
+/// error is the change divided by 2^p - 1, where p is the order of convergence (4 for smooth
+/// solutions).
 struct SectionErrors {
   double torsion_constant, warping_constant, shear_centre, shear_flexibility;
   [[nodiscard]] double largest() const;

@@ -26,11 +26,11 @@ struct EdgeNumbers {
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
 /// Returns one split ratio per point. Refinement splits an edge at this fraction of the edge's
-/// length, measured from the point. The ratio is ½, but smaller at re-entrant corners of the domain
+/// length, measured from the point. The ratio is ½, but below ½ at re-entrant corners of the domain
 /// and of interfaces. At these corners, the solution behaves as r^λ, λ = π / angle. With quadratic
 /// elements, energies keep the order of convergence h⁴ if the ratios are at most 2^(-2/λ) (Babuška,
 /// Kellogg & Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends
-/// on the moduli. At these points, the ratio is that for the smallest possible value, λ = ½.
+/// on the moduli. At these points, the ratio is computed for the smallest possible value, λ = ½.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four triangles. Existing points keep their indices; `shares` gets the

@@ -43,7 +43,7 @@ struct FoundMode {
 /// Results for one model in addition to its draws: posterior modes and evidence.
 struct ModelFindings {
   long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
-  /// Mean distance between the points that the optimisations evaluated (ModeSearch::spacing)
+  /// Mean distance between the evaluated points of the optimisations (ModeSearch::spacing)
   double spacing = 0.0;
   bool glanced = false;  ///< true if, in a long list of models, this model was searched by local
                          ///< optimisations alone
@@ -53,13 +53,13 @@ struct ModelFindings {
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes that the search did not keep, because it keeps a limited number;
-  /// fraction of the model's probability mass at these modes (Laplace's method).
+  /// Number of posterior modes beyond the limited number that the search keeps, and the fraction of
+  /// the model's probability mass at these modes (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
-  /// Separate posterior modes with at least 0.1 % of the model's probability mass, the largest mass
-  /// first.
+  /// Separate posterior modes with at least 0.1 % of the model's probability mass, in order of
+  /// descending mass.
   std::vector<FoundMode> modes;
   Evidence annealed = kNoEvidence;  ///< evidence by SMC or tempering from the prior; NaN if not run
   Evidence sampled = kNoEvidence;   ///< evidence by importance sampling from the final mixture
@@ -67,13 +67,13 @@ struct ModelFindings {
       /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
       /// has too few draws.
       kNoEvidence;
-  /// Fraction of the model's draws at which the mixture has less than a thousandth of the posterior
-  /// density, and the effective sample size of this fraction. Only local moves reach draws outside
-  /// the mixture. Both values are NaN if `bridged` is NaN.
+  /// Fraction of the model's draws outside the mixture (mixture density below a thousandth of the
+  /// posterior density), and the effective sample size of this fraction. Only local moves reach the
+  /// region outside the mixture. Both values are NaN if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// Fraction of the SMC draws that lie outside the mixture and from which chains do not return to
-  /// the mixture; NaN if not examined.
+  /// Fraction of SMC draws that lie outside the mixture and from which chains started there do not
+  /// return to the mixture; NaN if not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };
@@ -91,11 +91,11 @@ struct Calls {
                       ///< draws
 };
 
-/// Decisions of the engine that no option prescribes.
+/// Decisions that the engine made because no option prescribed them.
 enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,
-  /// The mode search used the first samples of a record, then followed each posterior mode as more
+  /// The mode search used the first samples of a record, then tracked each posterior mode as more
   /// samples were added. The chains started near the resulting posterior modes.
   started_on_first_samples,
   /// The run was stopped before its first draw; the draws come from the mode searches
@@ -125,7 +125,7 @@ struct RunRecord {
   /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no temperature ladder
   double barrier = 0.0;
   long impossible = 0;  ///< number of likelihood values of NaN or +∞, which count as -∞
-  /// Models with a likelihood of zero at every draw from their prior; their probability is 0.
+  /// Models whose likelihood is zero at every draw from the prior; their probability is 0.
   std::vector<int> impossible_models;
   std::vector<Choice> choices;
 };
@@ -154,9 +154,9 @@ struct Posterior : RunRecord {
   /// likelihood, the first of these draws is returned.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp), which requires
-  // sorting all draws. For repeated queries, call `judge(posterior)` once and use its result. A
-  // model is given by index or name; an unknown index or name throws std::invalid_argument.
+  // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp) and sorts all
+  // draws. For repeated queries, call `judge(posterior)` once and use its result. A model is given
+  // by index or name; an unknown index or name throws std::invalid_argument.
 
   /// P(model | data): the fraction of draws in the model, or the probability implied by its
   /// evidence if the draws are not reliable (ModelStanding). If neither is known, the probability

@@ -17,7 +17,7 @@ struct ModelNotEntered {
   long proposed = 0;       ///< proposed jumps into the model after warm-up
   Estimate by_evidence{};  ///< model probability computed from its evidence
 };
-/// A model has many draws in some chains and none in others.
+/// A model has many draws in some chains and no draws in others.
 struct ModelNotInEveryChain {
   int model = 0;
   int visited = 0, chains = 0;
@@ -65,8 +65,8 @@ struct AnnealingDrawsBeyond {
   /// Fractions of the SMC draws and of the chain draws that lie outside the mixture.
   double annealed = 0.0, drawn = 0.0;
 };
-/// The importance weights of a model's evidence have a heavy tail: a larger sample may give a far
-/// larger evidence. The model's draws do not confirm the evidence.
+/// The importance weights of a model's evidence have a heavy tail: with more draws, the evidence
+/// may become far larger. The model's draws do not confirm the evidence.
 struct EvidenceUnreliable {
   int model = 0;
   double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
@@ -92,8 +92,8 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// Name of the parameter. For components of a kind, the name is "sum of …", because the numbers
-  /// of the components are arbitrary labels.
+  /// Name of the parameter. For components of a kind, the name is "sum of …", because the component
+  /// numbers are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };
@@ -119,7 +119,7 @@ using Reason =
                  TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
                  StoppedEarly, QuickLook>;
 
-/// A sentence with the values that belong to the reason. For ChainsDisagree and
+/// Describes the reason in one sentence with its values. For ChainsDisagree and
 /// TooFewEffectiveDraws, the result is a clause without a full stop. The caller adds the advice
 /// (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);

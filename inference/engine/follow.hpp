@@ -14,11 +14,11 @@ namespace wheeltap::inference {
 inline constexpr double kWorthFollowing = 0.01;
 
 /// SMC approaches the posterior from the whole prior. SMC can therefore sample regions, such as the
-/// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If a
-/// larger fraction of SMC draws than of chain draws of a model lies outside the mixture, this
+/// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If
+/// the fraction of a model's draws outside the mixture is larger for SMC than for the chains, this
 /// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
-/// steps, the draw was an artefact of SMC. If the chain stays outside, the region is a part of the
-/// posterior. The function sets ModelFindings::annealed_beyond of models with a probability of at
+/// steps, the draw was an artefact of SMC. If the chain stays outside, the posterior has mass in
+/// this region. The function sets ModelFindings::annealed_beyond of models with a probability of at
 /// least 1 %; call this function after weigh(). Returns the states of the new chains outside their
 /// model's mixture, dimension × n, one matrix per model.
 [[nodiscard]] std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state);

@@ -27,8 +27,8 @@ inline constexpr int kDefaultThin = 4;
 inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an evaluation is costly
 /// True if the engine chooses the number of draws and the likelihood is expensive: a long record or
 /// a costly problem. The number of tuning steps and the thinning interval are then halved, because
-/// each MCMC step takes about a hundred times as long as with a likelihood given by a formula. For
-/// a costly problem, the draws are not thinned. The run continues in any case until it has enough
+/// each MCMC step takes about a hundred times as long as with an analytical likelihood. For a
+/// costly problem, the draws are not thinned. The run continues in any case until it has enough
 /// draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return (problem.samples > 0 || problem.costly) && options.draws == 0;
@@ -71,7 +71,7 @@ struct RunContext {
   [[nodiscard]] const ModelSpace& space() const { return problem.space; }
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
 
-  /// Runs job(c, chain, target) for every chain on several threads and ranks, then stores the
+  /// Calls job(c, chain, target) for every chain on several threads and ranks, then stores the
   /// target's counters in the state of the chain. A job may change only its chain, its target and
   /// its draws (RunState::posterior.chains[c]).
   template <typename Job>
@@ -155,7 +155,7 @@ struct RunContext {
 /// at the chains' states differs in any bit, because the data or the processor have changed.
 void resume(RunContext& run, const RunState& state);
 
-/// Number of likelihood evaluations by all chains and by shared work. If the problem has an
+/// Number of likelihood evaluations by all chains and outside the chains. If the problem has an
 /// approximate likelihood, the evaluations of the approximation are counted.
 [[nodiscard]] long likelihood_evaluations(const RunState& state);
 

@@ -16,7 +16,7 @@
 
 namespace wheeltap::inference {
 
-/// Progress of a chain in a stage whose kernels adapt.
+/// Progress of a chain in a stage with adaptive kernels.
 struct AdaptationState {
   int steps = 0;  ///< completed steps of this tuning round, or scans of a ladder
   // Used by parallel tempering only:
@@ -63,7 +63,7 @@ struct Position {
   bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  /// Models to be searched fully, or by local optimisations alone
+  /// Models that await a full search, or a search by local optimisations alone
   std::vector<int> models{};
   int model = 0;  ///< index of the next model in `models`
   /// ln (P Z), with prior probability P, of the best model searched so far.
@@ -92,8 +92,8 @@ struct CountedModes {
 };
 
 /// Complete state of a run. Copies are independent, because shared members (mixtures of Pilot,
-/// model space of Posterior) are constant. A stage produces the same draws, bit for bit, from a
-/// copy with the same problem, options and seed.
+/// model space of Posterior) are constant. From a copy, a stage with the same problem, options and
+/// seed produces bitwise the same draws.
 struct RunState {
   Position at;
   std::vector<ChainState> chains;
@@ -107,8 +107,8 @@ struct RunState {
   // Results of tuning.
   Pilot pilot;
   std::vector<double> tuning_bias;  ///< ln weight of each model in the last tuning round
-  /// ln weight of each model for the draws: zero, or the weights with which all models are visited
-  /// about equally often.
+  /// ln weight of each model for the draws: zero, or values that make the visits to all models
+  /// about equally frequent.
   std::vector<double> sampling_bias;
 
   // Results of sampling.

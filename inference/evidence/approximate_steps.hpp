@@ -24,7 +24,7 @@ using LogApproximation = std::function<double(std::span<const double> z)>;
 ///   and proposes μ + L (√(1 - s²) u + s ξ) with ξ ~ N(0, I). This leaves q invariant, so the
 ///   acceptance depends only on the error of q (Neal 1998, Bayesian Statistics 6:475; Cotter et al.
 ///   2013, Statistical Science 28:424). In many dimensions, a contraction therefore moves farther
-///   than a walk. It moves slowly in regions where q is too small.
+///   than a walk, but it moves slowly where q is too small.
 struct SweepProposal {
   enum class Kind { renewal, walk, contraction };
 

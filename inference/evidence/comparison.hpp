@@ -21,7 +21,7 @@ struct ImpliedProbabilities {
 [[nodiscard]] ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                                          const std::vector<Evidence>& evidences);
 
-/// A model whose sampled probability and implied probability differ significantly.
+/// A model with a significant difference between its sampled and its implied probability.
 struct Disagreement {
   int model;
   double sampled, sampled_error, implied, implied_error;

@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// Order in which the data enter, for records that can be shortened: all data at once, a growing
-/// part of the record, or the better of these two.
+/// Order in which the data of a record that can be shortened enter: all data at once, a growing
+/// part of the record, or the better of these two orders.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
@@ -28,8 +28,8 @@ struct TmcmcOptions {
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant, finite at every finite z. Several threads may call this function at once. The
-  /// approximation screens moves in stages with a small error (see `tmcmc`).
+  /// to a constant; it must be finite at every finite z. Several threads may call this function at
+  /// once. The approximation screens moves in stages with a small error (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
@@ -68,13 +68,13 @@ struct Tmcmc {
 /// time samples of the record. Each further part at most doubles the number of time samples. β is
 /// then the exponent of the likelihood of the new samples. The posterior of a long record lies at
 /// the end of a ridge. The ridge narrows gradually with the number of time samples, but suddenly
-/// with the exponent. Small pilot runs with each path decide which path is used.
+/// with the exponent. Small pilot runs with both paths determine which path is used.
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
 /// - Bisection finds the β for which the coefficient of variation of the weights is 0.5. With the
 ///   value 1 of Ching & Chen, ln Z was two nats too low for a chain of masses with a stop, whose
-///   tempered posteriors change direction from stage to stage.
+///   tempered posteriors change their orientation from stage to stage.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
 ///   fraction of prior draws with a positive likelihood. If draws with a positive likelihood are
@@ -94,8 +94,8 @@ struct Tmcmc {
 ///   Scientific Computing, section 9.4.3; delayed acceptance: Christen & Fox 2005). The moves
 ///   therefore leave π_j invariant for every s. The factor c minimises the standard deviation of β
 ///   e over the other half of the samples. Samples are moved in this way only if this deviation is
-///   below 1.5. Samples at a posterior mode that s lacks have large errors, so that all moves of
-///   this stage use the likelihood alone.
+///   below 1.5. If s lacks a posterior mode, samples at this mode have large errors e, and all
+///   moves of this stage use only the likelihood.
 ///
 /// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the relative standard
 /// error of this mean times √((R-1)/(R-3)). This factor is the standard deviation of Student's t

@@ -44,8 +44,8 @@ struct ExplorationOptions {
   std::function<bool()> stop = nullptr;
 };
 
-/// The number of SMC particles of a model with d dimensions: proportional to d above 20, because
-/// the proposals need the covariance of the particles.
+/// The number of SMC particles of a model with d dimensions. For d > 20, the number is proportional
+/// to d, because the proposals need the covariance of the particles.
 [[nodiscard]] constexpr int scaled_particles(int particles, int d) {
   constexpr int kFew = 20;
   return particles / kFew * std::max(kFew, d);
@@ -105,12 +105,12 @@ struct ModelExploration {
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
 /// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
-/// probability mass. Two results indicate missed probability mass. First, the evidence by SMC
-/// exceeds the evidence by the mixture significantly, by the criterion of the convergence
-/// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
-/// draws leads to another posterior mode. On a record, SMC may fail on the first samples. SMC then
-/// ends after a fixed number of likelihood evaluations, and local optimisations from its current
-/// draws replace it. A full SMC run follows only if the brief run shows missed probability mass, or
+/// probability mass. Two results indicate missed probability mass. First, the evidence by SMC is
+/// significantly larger than the evidence by the mixture (criterion of the convergence diagnosis).
+/// Second, SMC draws lie far from every known mode, and a local optimisation from these draws leads
+/// to another posterior mode. For a record, SMC may fail on the first samples. SMC then ends after
+/// a fixed number of likelihood evaluations, and local optimisations from the current SMC draws
+/// follow instead. A full SMC run follows only if the brief run shows missed probability mass, or
 /// if the local optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
@@ -119,15 +119,15 @@ struct ModelExploration {
 /// modes found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a run
-/// as long as needed.
+/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run, or an SMC
+/// run that is as long as necessary.
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
 /// Index of the posterior mode whose normal approximation, divided by its peak value, is the
-/// highest at z. This is the nearest mode if distances are measured in standard deviations of each
-/// mode. The result is -1 if `modes` is empty.
+/// highest at z. With distances in standard deviations of each mode, it is the nearest mode. The
+/// result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

@@ -17,7 +17,7 @@ class ModelLattice {
   /// `within`: models one step within m. `around`: models of which m is one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Smallest number of steps from m to a model that contains no other model.
+  /// Smallest number of steps from m to a model in which no other model is nested.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:

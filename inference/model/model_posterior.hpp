@@ -59,8 +59,8 @@ class ModelPosterior {
   /// log_posterior() below `level` may be returned as -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
-  /// The physical parameters of the last z with ordered components that was evaluated alone, not
-  /// together with others.
+  /// The physical parameters of the last z that was evaluated alone, not in a batch, and whose
+  /// components were in order.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
   /// Sorts the exchangeable components of z.

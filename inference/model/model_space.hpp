@@ -21,9 +21,9 @@ struct Parameter {
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
-/// because k! labelled vectors are the same set. A birth inserts a component at its position in the
-/// order. A death removes one of the k + 1 components, chosen uniformly; the probability 1/(k+1) of
-/// this choice cancels the ratio (k+1)!/k! of the prior densities.
+/// because k! labelled vectors represent the same set. A birth inserts a component at its position
+/// in the order. A death removes one of the k + 1 components, chosen uniformly; the probability
+/// 1/(k+1) of this choice cancels the ratio (k+1)!/k! of the prior densities.
 struct ComponentKind {
   std::string name;                   ///< name in the singular, as in "1 damage"
   std::string plural;                 ///< name in the plural, as in "2 damages"

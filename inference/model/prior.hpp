@@ -106,8 +106,8 @@ class Prior {
   [[nodiscard]] double from_standard_normal(double z) const;
   /// z = Φ⁻¹(F(x)); ±∞ at or outside the bounds of the support.
   [[nodiscard]] double to_standard_normal(double x) const;
-  /// dx/dz = φ(z) / p(x(z)), in the unit of x, >= 0; 0 if x(z) equals a bound of the support in
-  /// floating point.
+  /// dx/dz = φ(z) / p(x(z)) >= 0 in the unit of x. The result is 0 if x(z) is rounded to a bound of
+  /// the support.
   [[nodiscard]] double slope(double z) const;
   [[nodiscard]] double lower() const;  ///< bounds of the support, possibly ±∞
   [[nodiscard]] double upper() const;

@@ -18,8 +18,8 @@ namespace wheeltap::inference {
 /// of the model calls shares() to compute the shares.
 class Simplex {
  public:
-  /// Names the sticks "`name`[1]" to "`name`[n-1]". Throws std::invalid_argument if an α is not
-  /// positive and finite, or if there are fewer than two values of α.
+  /// The names of the sticks are "`name`[1]" to "`name`[n-1]". Throws std::invalid_argument if an α
+  /// is not positive and finite, or if there are fewer than two values of α.
   Simplex(std::string name, std::vector<double> alpha);
 
   /// Parameters for ModelSpace::of_models.

@@ -26,8 +26,8 @@ struct Evaluation {
   /// number of components. Births are then proposed at locations where a new component reduces the
   /// residuals.
   std::vector<double> residuals = {};
-  /// The common factor of all noise standard deviations if this factor is a parameter, and 1 for
-  /// known noise. The product residual · noise_scale then does not depend on the noise.
+  /// The common factor of all noise standard deviations if this factor is a parameter; 1 for known
+  /// noise. The product residual · noise_scale then does not depend on the noise.
   double noise_scale = 1.0;
 
   /// Resets the values and keeps the memory.
@@ -95,8 +95,8 @@ class Likelihood {
   }
 
   /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about an x with a positive
-  /// likelihood, a quadratic function from the residuals' first derivatives (Nocedal & Wright 2006,
-  /// section 10.3). With steps s,
+  /// likelihood: a quadratic function based on the first derivatives of the residuals (Nocedal &
+  /// Wright 2006, section 10.3). With steps s,
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
   ///
@@ -140,8 +140,8 @@ struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
   /// Largest factor by which the engine may increase the fraction of MCMC steps that use this move.
-  /// The fraction increases if the move changes the model more often than the engine's own moves at
-  /// equal run time.
+  /// The fraction increases if, at equal run time, the move changes the model more often than the
+  /// engine's own moves.
   double most = 1.0;
 };
 
@@ -187,8 +187,8 @@ struct State {
   bool evaluated = false;  ///< true: log_likelihood and prediction also belong to z
 };
 
-/// Thrown if a model's likelihood is zero at every draw of its prior, or too often NaN or +∞. The
-/// message names the model and the parameter values.
+/// Thrown if a model's likelihood is zero at every draw from its prior, or is too often NaN or +∞.
+/// The message names the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -198,7 +198,7 @@ class LikelihoodError : public std::runtime_error {
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln prior factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if all of the
+/// A log likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if all of the
 /// first 20 values of the likelihood or of its approximation are NaN or +∞, or more than 1 % of at
 /// least 1000 values.
 class Target {

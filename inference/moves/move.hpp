@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. These operations take a few
-/// microseconds, like a cheap likelihood. Work is counted and not measured in seconds, so that
-/// draws are the same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. These multiplications take a
+/// few microseconds, like a cheap likelihood. Work is counted in operations instead of seconds, so
+/// that draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
@@ -103,8 +103,8 @@ class Move {
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
 /// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The first stage accepts
-/// the proposal with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and the
-/// proposal is accepted with probability
+/// the proposal with the probability above, with ℓ* instead of ℓ. If so, ℓ is computed, and the
+/// second stage accepts the proposal with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///
@@ -131,8 +131,8 @@ class MetropolisHastings : public Kernel {
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
-/// A fixed mixture of kernels. Each step selects one kernel with a probability proportional to the
-/// weight of the kernel and independent of the state. A kernel that does not apply leaves the state
+/// A fixed mixture of kernels. Each step selects one kernel with a probability that is proportional
+/// to its weight and independent of the state. A kernel that is not applicable leaves the state
 /// unchanged.
 class KernelMixture {
  public:

@@ -18,8 +18,8 @@ namespace wheeltap::inference {
 ///
 /// The responsibilities have Cauchy tails, so that the nearest component is chosen even outside the
 /// mixture. No single covariance fits a thin curved ridge. The steps of this walk follow the
-/// curvature of the ridge. The steps also reach regions outside the mixture, and the next fit then
-/// covers these regions.
+/// curvature of the ridge. The steps also reach regions outside the mixture, so that the next
+/// fitted mixture covers them.
 class RegionalWalk : public Move {
  public:
   explicit RegionalWalk(std::shared_ptr<const PilotFit> fit) : fit_(std::move(fit)) {}

@@ -123,7 +123,7 @@ std::string in_words(const MoveCheck& check, double false_alarm) {
   if (check.accepted == 0) return text + ": detailed balance could not be tested";
   text += check.passed ? "; no fault found" : "; detailed balance is VIOLATED";
   return text + " (p = " + base::significant(check.p_value, 2) + ", limit " +
-         base::significant(false_alarm, 2) + "), likelihood to the powers 0 and " +
+         base::significant(false_alarm, 2) + "), with the likelihood to the powers 0 and " +
          base::significant(check.beta, 2);
 }
 

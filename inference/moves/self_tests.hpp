@@ -1,5 +1,5 @@
 // Tests of user-defined priors and moves, to be called from the user's own test program. A test
-// detects a faulty prior or move in seconds. In an MCMC run, the fault would give wrong results
+// detects a faulty prior or move in seconds. In an MCMC run, such a fault would cause wrong results
 // without any warning.
 #pragma once
 
@@ -29,7 +29,7 @@ struct PriorCheck {
 ///
 ///   p(x(z)) dx/dz = φ(z)
 ///
-/// to 1e-5 by finite differences, except at density kinks and where x does not resolve the steps.
+/// to 1e-5 by finite differences, except at density kinks and for steps below the resolution of x.
 /// If only the normalisation of the density is wrong, the result gives the integral of the density.
 [[nodiscard]] PriorCheck check_prior(const Prior& prior);
 
@@ -60,7 +60,7 @@ struct MoveCheck {
 /// h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
 /// section 2, who test invariance). Half of the tests use β = 0. The other half use the largest β
 /// of 1, ½, ¼, … at which the effective sample size is a twentieth of the draws. The test detects a
-/// wrong ratio, a wrong Jacobian, a ratio without the numbers of possible choices, and a reverse
+/// wrong ratio, a wrong Jacobian, a ratio that omits the numbers of possible choices, and a reverse
 /// move that does not lead back. A move that is never accepted passes; `words` states this. The
 /// approximate likelihood of the problem is not used.
 ///

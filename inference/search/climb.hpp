@@ -92,7 +92,7 @@ struct ClimbEnd {
 /// than the prior. If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance of z from a posterior mode, in sds of the normal approximation there.
+/// Squared distance of z from a mode, in standard deviations of its normal approximation.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

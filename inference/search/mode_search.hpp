@@ -23,9 +23,9 @@ struct Mode {
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< number of optimisations; 0: kFewestClimbs to kMostClimbs, by `budget`
-  /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// optimisations in progress are finished. Optimisations after replacements of components may use
-  /// a further 10 % of the budget, or as many evaluations as before.
+  /// Maximum number of likelihood evaluations; an exact gradient counts as the evaluations that
+  /// differences would need. Optimisations in progress are completed. Those after replacements of
+  /// components may use a further 10 % of the budget, or as many evaluations as before.
   long budget = 100000;
   /// Factor in (0, 1] that reduces the work for a growing record. The factor multiplies the numbers
   /// of optimisations from prior draws, followed posterior modes, and draws per mode.
@@ -48,8 +48,8 @@ struct ModeSearch {
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
   /// deviations of the prior; 0: not known. A narrower posterior mode may lie between two points.
   double spacing = 0.0;
-  /// Number of further posterior modes, left out because a search keeps a limited number of modes,
-  /// and their fraction of the probability mass (Laplace's method).
+  /// Number of further posterior modes, omitted because a search keeps a limited number of modes,
+  /// and the fraction of the probability mass at these modes (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   long likelihood_evaluations = 0;
@@ -84,8 +84,8 @@ inline constexpr long kMostClimbs = 10000;
 /// are followed with smaller increments of the record. Further optimisations on the whole record
 /// start from the draws with the highest posterior density among a few hundred draws of the prior.
 ///
-/// With two components or more, optimisations also start from the highest modes after replacement
-/// of one component by the most probable of 64 prior draws. New modes are treated likewise.
+/// With two or more components, optimisations also start from the highest modes, with one component
+/// replaced by the most probable of 64 prior draws. New modes are treated in the same way.
 ///
 /// If the basin of a posterior mode has the prior probability p, all n optimisations miss it with
 /// probability (1-p)^n. The basin contains all points from which an optimisation with finite steps
@@ -104,8 +104,8 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 /// 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
-/// The resolution for posterior modes of this width, in standard deviations of the prior, with
-/// respect to their basins of steepest ascent. For widths below the `spacing` of the optimisations,
+/// The resolution with respect to basins of steepest ascent, for posterior modes of the width
+/// `width` [standard deviations of the prior]. For widths below the `spacing` of the optimisations,
 /// the resolution is larger by the factor spacing / width, and at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 

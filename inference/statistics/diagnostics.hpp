@@ -30,8 +30,8 @@ using ChainsOf = std::vector<std::vector<double>>;
 /// Monte Carlo standard error of the mean, sd / √ess_mean; 0 for a constant.
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);
 /// Monte Carlo standard error of the standard deviation s, √(var(d²) / ess_mean(d²)) / (2 s) with
-/// the deviations d from the mean (delta method); 0 for a constant. It is large if rare draws far
-/// away determine s, which R-hat of ranks does not show.
+/// the deviations d from the mean (delta method); 0 for a constant. The error is large if a few
+/// draws far from the mean determine s; R-hat of ranks does not show this.
 [[nodiscard]] double mcse_sd(const ChainsOf& draws);
 /// Mean over the draws of all chains, whose lengths may differ; NaN without draws.
 [[nodiscard]] double mean(const ChainsOf& draws);
@@ -46,8 +46,8 @@ struct Convergence {
 /// Posterior of the stationary distribution of the model indicator (Heck et al. 2019, Statistics
 /// and Computing 29:631). The rows of the transition matrix of the visited models get independent
 /// Dirichlet(ε, …, ε) priors, ε = 1 / (number of visited models), and each posterior draw of the
-/// matrix has a stationary vector. The method assumes that the indicator is a Markov chain, which
-/// holds approximately.
+/// matrix has a stationary distribution. The method assumes that the indicator is a Markov chain,
+/// which holds approximately.
 struct ModelProbabilities {
   /// Posterior mean of each model probability; 0 for a model never visited
   std::vector<double> mean;
@@ -63,7 +63,7 @@ struct ModelProbabilities {
     const std::vector<std::vector<int>>& model_chains, int models, std::uint64_t seed,
     int posterior_draws = 1000);
 
-/// Completed round trips of an indicator (lowest → highest → lowest, or the reverse), over all
+/// Number of completed round trips of an index (lowest → highest → lowest, or the reverse) in all
 /// chains; 0 if lowest = highest.
 [[nodiscard]] long round_trips(const std::vector<std::vector<int>>& chains, int lowest,
                                int highest);

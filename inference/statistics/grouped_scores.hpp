@@ -52,9 +52,9 @@ struct GroupedErrorOptions {
 ///   P(z∞ - z* < s x) = P((z*_b - z*) / s_b > -x).
 ///
 /// The quantiles are at least as far from z* as the quantiles of Student's t with N - 1 degrees of
-/// freedom, because few groups rarely include the most influential groups. The result is empty if A
-/// is not positive definite. Throws std::invalid_argument for fewer than two groups or different
-/// sizes.
+/// freedom, because a small number of groups rarely includes the most influential groups. The
+/// result is empty if A is not positive definite. Throws std::invalid_argument for fewer than two
+/// groups or different sizes.
 [[nodiscard]] std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,
                                                        const Eigen::MatrixXd& prior_information,
                                                        const GroupedErrorOptions& options = {});

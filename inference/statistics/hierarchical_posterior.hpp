@@ -49,11 +49,11 @@ struct HierarchicalOptions {
 ///
 /// (normal hierarchical model of Gelman et al. 2013, Bayesian Data Analysis, section 5.4; Sedehi,
 /// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below the
-/// error λ of a group, because the data cannot resolve a smaller τ, and proportional to 1/τ above
-/// λ. If the means of the groups differ by more than their errors explain, the credible interval of
-/// the centre is therefore the interval of Student's t with n - 1 degrees of freedom. The coverage
-/// of this interval is exact for any n. Like the uniform shrinkage prior (Daniels 1999), the prior
-/// depends on the errors and not on the means.
+/// error λ of a group, because the data cannot resolve a smaller τ. Above λ, it is proportional to
+/// 1/τ. If the means of the groups differ by more than their errors explain, the credible interval
+/// of the centre is therefore the interval from Student's t with n - 1 degrees of freedom. The
+/// coverage of this interval is exact for any n. Like the uniform shrinkage prior (Daniels 1999),
+/// the prior depends on the errors and not on the means.
 ///
 /// μ is integrated in closed form for every τ, and τ by the midpoint rule in ln(λ + τ), in which
 /// its prior is flat; the integration error is 1e-6 of the widths of the distributions.

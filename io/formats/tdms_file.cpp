@@ -409,7 +409,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
         sources.push_back(nullptr);
       } else if (same->step != clock.step || same->first != clock.first) {
         out.others.push_back(shown +
-                             " (of another time step or offset than channels of its length)");
+                             " (other time step or offset than channels of this length)");
         continue;
       }
     }

@@ -17,7 +17,7 @@ namespace wheeltap::io {
 struct NetcdfArray {
   std::vector<std::size_t> shape;
   std::vector<double> values;
-  /// Number of values for each combination of indices of the first `outer` dimensions.
+  /// Number of values per combination of indices of the first `outer` dimensions.
   [[nodiscard]] std::size_t inner(std::size_t outer = 2) const {
     std::size_t n = 1;
     for (std::size_t i = outer; i < shape.size(); ++i) n *= shape[i];

@@ -98,7 +98,7 @@ class NetcdfWriter {
   /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
   /// numbers of row r to an empty vector. A chunk holds the values of all columns for one row and
   /// one index of each further dimension. A reader can therefore read one chunk without the others.
-  /// This function holds only one row in memory at a time.
+  /// The function needs memory for one row only.
   template <class Number, class Fill>
   int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
                const Fill& fill, nc_type type = kNetcdfType<Number>) const {

@@ -72,9 +72,9 @@ void carry(Parcel& parcel, Of& table) {
     for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
 }
 
-/// A function that selects the columns to read: it returns true for each column to read. The reader
-/// calls the function once per column with the headers of the table. Columns that are not selected
-/// keep their headers and have no values. An empty function selects all columns.
+/// A function that returns true for each column to read. The reader calls the function once per
+/// column with the headers of the table. Columns that are not selected keep their headers and have
+/// no values. An empty function selects all columns.
 using Wanted = std::function<bool(const Columns&, std::size_t column)>;
 
 }  // namespace wheeltap::io

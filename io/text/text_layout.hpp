@@ -60,8 +60,8 @@ enum class CellKind {
   text
 };
 
-/// Result of the layout detection: the rules for splitting rows into cells, and the position of the
-/// first row.
+/// Result of the layout detection: the rules for splitting rows into cells, and the first
+/// row.
 struct TableShape {
   char separator = ',';
   char decimal = '.';

@@ -36,7 +36,7 @@ struct Split {
 
 /// Computes a score for a separator and a decimal mark. The score is the sum of one term per line.
 /// If all cells of a line are numbers and time stamps, its term is twice the number of cells. For
-/// any other line, the term is the number of numbers and time stamps minus the number of other
+/// any other line, the term is the count of numbers and time stamps minus the count of other
 /// cells.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);

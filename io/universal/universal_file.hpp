@@ -167,8 +167,8 @@ struct UniversalFile {
 /// Converts the functions of a file to a table. All functions must have the same abscissa. The
 /// first column is the abscissa. Each real function becomes one column, and each complex function
 /// two columns (", real" and ", imaginary"). If the axis names no unit, but dataset 164 and the
-/// powers of the axis give the unit, values are converted to SI. Throws FileError (corrupt) if the
-/// file contains no function, or if the abscissae differ.
+/// powers of the axis determine the unit, values are converted to SI units. Throws FileError
+/// (corrupt) if the file contains no function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 

@@ -1,9 +1,9 @@
 // Modes from free decays: the eigensystem realisation algorithm, with the covariance of all
 // results.
 //
-// After an impact or a release, the response is y(k Δt) = C A^k x₀. The response samples take the
-// place of the output covariances of stochastic_subspace.hpp. Each decay has its own initial state
-// x₀ and serves as a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
+// After an impact or a release, the response is y(k Δt) = C A^k x₀. The response samples replace
+// the output covariances of stochastic_subspace.hpp. Each decay has its own initial state x₀ and
+// serves as a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
 //
 // Poles that fit noise can be as stable over the model orders as poles of vibration modes. A pole
 // is therefore removed if the model without this pole fits the decays equally well. The remaining
@@ -11,8 +11,8 @@
 //
 //   y(t) = Re Σ c e^{λt} + c₀
 //
-// over all channels and decays (variable projection). For the uncertainty, the noise is assumed
-// normal, with the spectra and cross-spectra of the residuals, smoothed over spectral lines. The
+// over all channels and decays (variable projection). The uncertainty is computed for normal noise
+// with the spectra and cross-spectra of the residuals, smoothed over spectral lines. The
 // derivatives of the least-squares fit then give the covariance of the results.
 #pragma once
 

@@ -10,9 +10,9 @@
 // response and the correlation function of the window. The method divides c by the correlation
 // function of the window. Without this correction, the spectral width of the window would increase
 // the estimated damping ratio. The method assumes lightly damped, well separated modes. If two
-// modes share spectral lines, the method misses one of the modes or distorts the estimates of both.
-// The truncation of a mode's spectrum to the spectral lines with this singular vector biases the
-// damping ratio.
+// modes occupy the same spectral lines, the method misses one mode or distorts both estimates. The
+// damping ratio is biased, because a mode's spectrum is truncated to the spectral lines with its
+// singular vector.
 #pragma once
 
 #include "signals/modal/modal_identification.hpp"

@@ -9,9 +9,9 @@
 // unknown factor a_s. With the entries r_s of this shape at the references, and the mean r of all
 // r_s,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
-// where u_s is the inverse variance of r_s. The set-ups are statistically independent. The set-ups'
-// covariances and the derivatives of the merged results (for shapes, central differences) give the
-// covariances of the merged results.
+// where u_s is the inverse variance of r_s. The set-ups are statistically independent. The
+// covariances of the merged results follow from the set-ups' covariances and the derivatives of the
+// merged results (for shapes, central differences).
 #pragma once
 
 #include <vector>

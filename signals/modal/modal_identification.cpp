@@ -226,7 +226,7 @@ MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sampl
   const double most = 0.45 * sample_rate_hz;
   if (!(out.highest_hz > 0.0)) out.highest_hz = most;
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
-    refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
+    refuse("lowest frequency", out.lowest_hz, "must be at least 0 and below the highest");
   if (out.lowest_hz >= 0.5 * sample_rate_hz)
     refuse("lowest frequency", out.lowest_hz, "must be below half the sampling rate");
   if (out.highest_hz > most) {

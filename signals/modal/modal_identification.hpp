@@ -26,20 +26,20 @@ struct ModalOptions {
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< identified in less than half of the model orders, counted from the first
+  few_orders,       ///< identified in fewer than half of the model orders from the first model
                     ///< order with the mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
                     ///< machine
-  /// Either another mode has the same shape and a frequency within the standard deviations, or
-  /// another mode with the same shape is within the half-power bandwidths and has a smaller
-  /// uncertainty.
+  /// A second mode has the same shape. Its frequency is equal within the standard deviations,
+  /// or it lies within the half-power bandwidths and has a smaller uncertainty than this
+  /// mode.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
 
-/// Smallest modal phase collinearity of a mode shape that is not doubtful.
+/// Modal phase collinearity below which a mode shape is doubtful.
 inline constexpr double kCollinear = 0.8;
 
 struct Mode {
@@ -107,10 +107,10 @@ struct ModalResult {
 /// to a sampling rate that suffices for the band, and identifies the modes twice. In the first
 /// identification, the lags cover one period of the lowest frequency of the band. In the second
 /// identification, the lags cover one period of the lowest mode, because more lags increase the
-/// variance of the estimates. Poles chosen by the user replace the modes of the last diagram; they
-/// do not change the diagram. Throws ChosenPoleError, ChannelError (signals/refuse.hpp) for
-/// channels that are constant, proportional to another channel or not finite, and
-/// std::invalid_argument for an invalid band and for records too short for any order.
+/// variance of the estimates. Poles chosen by the user replace the modes selected from the last
+/// diagram, but do not change the diagram. Throws ChosenPoleError, ChannelError
+/// (signals/refuse.hpp) for channels that are constant, proportional to another channel or not
+/// finite, and std::invalid_argument for an invalid band and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

@@ -49,11 +49,11 @@ struct PolyreferenceFit {
 /// Throws std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
-/// Identifies modes from frequency response functions. This function selects the modes from a
-/// stabilisation diagram of model orders 2, 4, …, like the function of the same name for output
-/// records. The bootstrap gives the covariance of all modes. Throws the exceptions of
-/// polyreference, and std::invalid_argument for a band without spectral lines, frequency response
-/// functions that are not finite or all zero, and invalid coherence.
+/// Identifies modes from frequency response functions. Like identify_modes for output records, this
+/// function selects the modes from a stabilisation diagram of model orders 2, 4, …. The bootstrap
+/// gives the covariance of all modes. Throws the exceptions of polyreference, and
+/// std::invalid_argument for a band without spectral lines, frequency response functions that are
+/// not finite or all zero, and invalid coherence.
 [[nodiscard]] ModalResult identify_modes(const FrequencyResponses& responses,
                                          const PolyreferenceOptions& options);
 

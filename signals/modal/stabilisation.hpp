@@ -87,13 +87,13 @@ struct Stabilisation {
 /// their uncertainty.
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
-/// therefore a candidate only if its model order contains all steady modes (in at least half of
-/// their orders), also outside the band, and all modes whose resonance peaks overlap that of its
-/// mode. If no pole of these model orders is as certain as the best pole of the cluster, the best
-/// poles of these model orders are the candidates. If these model orders have fewer than three
-/// poles, or if their best pole has more than twice the smallest uncertainty, poles of every model
-/// order can be candidates. Poles without standard deviations (NaN) require largest_relative_sd =
-/// ∞; then the pole with the median frequency of all poles represents the cluster.
+/// therefore a candidate only if its model order resolves all steady modes, also outside the band,
+/// and all modes with overlapping resonance peaks. Steady modes occur in at least half of the
+/// orders from their first one. If no pole of these model orders meets the limit, their best poles
+/// are the candidates. If these orders have fewer than three poles, or if their best pole has more
+/// than twice the smallest uncertainty, poles of every model order can be candidates. Poles without
+/// standard deviations (NaN) require largest_relative_sd = ∞; then the pole with the median
+/// frequency of all poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -122,17 +122,17 @@ struct ChosenPoleError : std::invalid_argument {
 /// on the processor.
 inline constexpr double kChosenWithin = 0.005;
 
-/// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
-/// representative; a pole without a cluster becomes a mode by itself. Clusters without a chosen
-/// pole are rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does
-/// not contain, and for a pole chosen twice.
+/// Replaces the modes by the chosen poles. Each chosen pole becomes the representative of its
+/// cluster, which is the mode; a pole without a cluster becomes a mode by itself. Clusters without
+/// a chosen pole are rejected. Throws ChosenPoleError for a model order or a frequency that the
+/// diagram does not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d = |Δf| / max f + 1 - MAC of two poles.
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
 
 /// Divides the values `sorted` into two classes by least squares. Returns the index of the smallest
-/// value of the upper class. Requires at least two values. Public for its test.
+/// value in the upper class. Requires at least two values. Public for its test.
 [[nodiscard]] std::size_t two_classes(const std::vector<double>& sorted);
 
 }  // namespace wheeltap::signals

@@ -11,11 +11,11 @@
 
 namespace wheeltap::fem {
 
-/// Changes that defects cause in a structure: low-rank terms, and scale factors of whole parts of
+/// Changes of K and M that defects cause: low-rank terms, and scale factors of whole parts of
 /// K.
 struct StructureChange {
   /// A stiffness reduction for the combination v · e of a few strains e = Bu, |v| = 1: Bᵀ B becomes
-  /// Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions v with common strains must be orthogonal.
+  /// Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions v that share strains must be orthogonal.
   struct Softening {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
@@ -50,7 +50,7 @@ struct StructureChange {
   }
 };
 
-/// Thrown for a change that leaves no valid structure: the change removes more mass than the
+/// Thrown for a change after which the structure is invalid: the change removes more mass than the
 /// structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;

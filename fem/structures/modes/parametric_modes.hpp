@@ -17,7 +17,7 @@ namespace wheeltap::fem {
 enum class ParametricSolver {
   cheaper,  ///< the cheaper of `basis` and `sparse`
   basis,    ///< reduced basis: modes at selected θ
-  /// Sparse matrices, if the structure is affine and has no rigid-body motions and at most 2000
+  /// Sparse matrices if K and M are affine in θ, without rigid-body motions and with at most 2000
   /// degrees of freedom; otherwise a basis.
   sparse
 };
@@ -57,9 +57,9 @@ struct ParametricModesOptions {
 ///
 /// The error bounds prove that an exact eigenvalue lies near each result. The bounds do not prove
 /// that no mode is missing. Sturm counts check for missing modes at every training point during the
-/// training. Later solutions in a basis are not checked for missing modes. Every solution from
-/// sparse matrices is checked by a Sturm count. Degrees of freedom without mass need no special
-/// treatment, because V includes their static response.
+/// training. After the training, solutions by the reduced basis are not checked for missing modes.
+/// Every solution from sparse matrices is checked by a Sturm count. Degrees of freedom without mass
+/// need no special treatment, because V includes their static response.
 ///
 /// The object is immutable after construction; each thread needs a separate workspace.
 class ParametricModes {
@@ -99,11 +99,11 @@ class ParametricModes {
   /// no valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes whose relative
-  /// eigenvalue spacing is below 1e-6, the derivatives of shapes exclude the indeterminate rotation
-  /// within their subspace. If the full problem was solved, the derivatives are computed in the
-  /// basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
-  /// solution by the basis or by sparse matrices failed.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes with a relative
+  /// eigenvalue spacing below 1e-6, the derivatives of shapes exclude the indeterminate rotation
+  /// within the subspace of these modes. If the full problem was solved, the derivatives are
+  /// computed in the basis. Returns false, without derivatives, if the matrices are not affine in
+  /// θ, or if the solution by the basis or by sparse matrices failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 

@@ -72,7 +72,7 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms given as matrices (parts of K); the terms given as matrices come last.
+  /// The number of terms given as matrices (parts of K); these terms come last in the list.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
   /// The columns C_t of all low-rank terms, one column per rank; empty if a term is not positive

@@ -18,8 +18,8 @@ namespace wheeltap::fem {
 /// freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
 /// are allowed.
 ///
-/// This class does not check whether a mode is missing; `eigenvalues_below` does. The object is
-/// immutable after construction, and the results depend only on the arguments.
+/// This class does not check whether a mode is missing; use `eigenvalues_below` for this check. The
+/// object is immutable after construction, and the results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
@@ -38,8 +38,8 @@ class SubspaceModes {
     int steps = 0;                     ///< number of iterations; 0: dense solver
   };
   /// Computes the modes of a structure. If the degrees of freedom differ from those of the first
-  /// structure, structure_modes solves the problem. Returns false if K is not positive definite
-  /// apart from the rigid motions, or if the iteration does not converge.
+  /// structure, structure_modes solves the problem. Returns false if the iteration does not
+  /// converge, or if K is not positive definite on the complement of the rigid-body motions.
   bool solve(const Discretisation& d, Found& out) const;
 
  private:

@@ -32,11 +32,11 @@ namespace wheeltap::fem {
 ///   R_n = f_Iᵀ l_n' - Σ_{j <= p} λ_j α_0j α_nj' - r_0ᵀ Φ_E α_n'
 ///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}'.
 ///
-/// The first term is present only if both forms belong to the same part. A prime marks quantities
-/// of the second form. Only Q_n requires solutions of the whole structure. The large contributions
-/// to Q_n are subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of
+/// The first term is zero unless both forms belong to the same part. A prime marks quantities of
+/// the second form. Only Q_n requires solutions of the whole structure. The large contributions to
+/// Q_n are subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of
 /// kBatch degrees of freedom. If the boundary is small, the constructor computes all batches;
-/// otherwise, a batch is computed when it is first requested.
+/// for a large boundary, each batch is computed when it is first requested.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
 /// cache holds at most `memory` bytes and removes the least recently used values.

@@ -14,10 +14,10 @@ namespace wheeltap::fem {
 /// evaluate the secular function, whose inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, and a spring is a column r with Γ = -k. An added
-/// mass has Γ⁻¹ = 1/(λ μ). An added mass is represented by a mass μ that floats freely beside the
-/// structure (a mode at λ = 0 with displacement 1/√μ) and by a rigid link to r · u. The floating
-/// mass adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
-/// floating mass that enters the eigenvalue count with the opposite sign.
+/// mass has Γ⁻¹ = 1/(λ μ). An added mass is represented by a free mass μ (a mode at λ = 0 with
+/// displacement 1/√μ) and a rigid link between this floating mass and r · u. The floating mass adds
+/// one column and one pole; the eigenvalue count remains valid. A removed mass is a floating mass
+/// that enters the eigenvalue count with the opposite sign.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
 /// frequencies is then at most 1e-9 in a test with 2000 random sets of defects per structure
@@ -26,7 +26,7 @@ namespace wheeltap::fem {
 /// For larger structures, the lowest p modes are kept. Two further modes per column
 /// (`ResidualModes`) represent the residual flexibility for the columns up to the term in λ³. The
 /// computed frequencies are those of a constrained structure, so they are not below the true
-/// frequencies. The error bound follows from an eigenvalue count with S minus the largest possible
+/// frequencies. The error bound follows from an eigenvalue count for S minus the largest possible
 /// contribution of the omitted modes. If the bound exceeds 1e-6, the full eigenvalue problem of the
 /// changed structure is solved. Mode shapes remain those of the constrained structure.
 ///

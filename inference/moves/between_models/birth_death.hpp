@@ -24,7 +24,7 @@ namespace wheeltap::inference {
 ///
 ///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
 ///
-/// a death prefers the component whose removal leaves a probable state of the smaller model.
+/// a death tends to remove a component whose removal leaves a probable state of the smaller model.
 class BirthDeath : public Move {
  public:
   BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
@@ -46,7 +46,7 @@ class BirthDeath : public Move {
   std::vector<double> component_, rest_, probability_;
 };
 
-/// Removes one component, chosen uniformly, and inserts a component at another location:
+/// Removes one component, chosen uniformly, and inserts a new component at another location:
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///

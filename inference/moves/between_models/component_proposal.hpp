@@ -58,8 +58,8 @@ struct EffectAtlas {
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
 
-/// Computes the table of `kind`. Null if the likelihood gives no residuals, or if no two models
-/// differ only in that one has no component and the other has one component of this kind.
+/// Computes the table of `kind`. Null if the likelihood gives no residuals, or if no pair of models
+/// has 0 and 1 components of this kind and is otherwise equal.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
 /// Informed birth. If r is the residual of the state, a new component in cell c changes r to about
@@ -68,8 +68,8 @@ struct EffectAtlas {
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),
 /// and draws the parameters of the component from the prior within this cell.
 ///
-/// Because of the term with ε, every location can be proposed. To leave out one component of the
-/// state, its effect is first subtracted from the residual.
+/// Because of the term with ε, every location can be proposed. For a state without one of its
+/// components, the effect of this component is first subtracted from the residual.
 class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);
