@@ -19,7 +19,7 @@ class FailedOnFirstRank : public std::exception {};
 /// nothing on standard output and error, and use one thread each by default.
 class JoinedRanks {
  public:
-  /// Throws Failure (64) if there are other ranks and the module is missing.
+  /// Throws Failure (64) if there are other ranks and the MPI module is missing.
   JoinedRanks();
   JoinedRanks(const JoinedRanks&) = delete;
   JoinedRanks& operator=(const JoinedRanks&) = delete;

@@ -32,7 +32,7 @@ struct EmulatorSpec {
       anova;
   std::vector<int>
       /// For space-filling designs: entry i is the number of FE runs for i + 1 damages. The last
-      /// entry also applies to all larger counts
+      /// entry also applies to all larger damage counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of space-filling designs
   std::vector<std::filesystem::path> csv;  ///< user's training runs; file i: with i + 1 damages

@@ -13,7 +13,7 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// If set, this number of rows replaces the rate of false alarms per year.
+  /// If set, this mean number of rows between false alarms replaces the rate of false alarms per year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};

@@ -55,7 +55,7 @@ struct SensorChoice {
 /// greedy design, and the layouts by effective independence and by kinetic energy. The search
 /// removes the least useful sensor and adds the best other sensor, until the design no longer
 /// improves. Finally, single sensors of the best of these designs are exchanged, until no exchange
-/// improves it. Throws std::invalid_argument for more sensors than candidates.
+/// improves the design. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);

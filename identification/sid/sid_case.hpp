@@ -194,7 +194,7 @@ struct SidCase {
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
   /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if the
-  /// initial state is inferred because of this motion, and not by request of the case.
+  /// initial state is inferred because of motion at the start, and not by request of the case.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;

@@ -25,8 +25,8 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_name(const dynamics::Law& law, const dynamics::Link& link,
                                     bool several);
 /// Name of the parameter of a coefficient. If the force law has one coefficient, the parameter has
-/// the name of the term. If the law has several, the name also contains the name of the
-/// coefficient: "contact gap", "contact gap closing", "contact gap 0-1".
+/// the name of the term. If the force law has several coefficients, the name also contains the name
+/// of the coefficient: "contact gap", "contact gap closing", "contact gap 0-1".
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
@@ -42,7 +42,7 @@ void add_subsets(SidCase& sid_case);
 /// a link balances, in this band, the inertia forces and external forces of the masses that the
 /// link connects to the ground. The squares of the RMS values of these forces are added. For a link
 /// in a loop, the larger of the values at its two ends is used. The largest extension of a link is
-/// the measured one or, without measured displacements, three times the RMS extension. Throws
+/// the measured extension or, without measured displacements, three times the RMS extension. Throws
 /// InvalidInput (models) if the responses are constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 

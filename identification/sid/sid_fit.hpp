@@ -14,8 +14,8 @@
 
 namespace wheeltap::identification {
 
-/// Ljung & Box's test of whiteness of a response's residuals or, if its residual model is not
-/// white, of their innovations.
+/// Ljung & Box's test of whiteness of the residuals of a response or, if the residual model is not
+/// white, of the innovations.
 struct ResidualWhiteness {
   bool of_innovations = false;
   int lags = 0;
@@ -37,8 +37,8 @@ struct ChannelFit {
   double r2 = 0.0;               ///< coefficient of determination 1 - nrmse²; NaN if nrmse is NaN
   double noise_sd = 0.0;         ///< standard deviation of the noise, as in the model
   std::optional<ResidualWhiteness> whiteness;  ///< test of whiteness; empty for too few samples
-  /// The same test of the residuals instead of the innovations; equals `whiteness` if the residual
-  /// model is white.
+  /// The same whiteness test of the residuals instead of the innovations; equals `whiteness` if the
+  /// residual model is white.
   std::optional<ResidualWhiteness> plain_whiteness;
 };
 

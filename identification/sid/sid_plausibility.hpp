@@ -8,9 +8,9 @@
 
 namespace wheeltap::identification {
 
-/// Reports three faults. First check: the RMS of a response is above 30 times, or below 1/30 of,
-/// its RMS in every prior draw of every model. Second check: the stated noise exceeds the RMS of
-/// its response. Third check: the prior of a parameter excludes the true value of a simulated
+/// Reports three faults. First check: the RMS of a response differs by a factor of more than 30
+/// from its RMS in every prior draw of every model. Second check: the stated noise exceeds the RMS
+/// of its response. Third check: the prior of a parameter excludes the true value of a simulated
 /// record. The function uses at most the first 2000 scored samples of a record.
 [[nodiscard]] std::vector<Remark> implausible(const SidProblem& problem);
 

@@ -41,8 +41,8 @@ struct NoiseFree {
                                                 const inference::Posterior& posterior,
                                                 const SidPredictive& predictive);
 
-/// Fraction of each response's samples within the central interval of probability `SidCase::band`
-/// of the predictive mixture
+/// Fraction of the samples of each response inside the central interval, with the probability
+/// `SidCase::band`, of the predictive mixture
 ///
 ///   1/D Σ_d N(prediction_d, σ_d²),
 ///

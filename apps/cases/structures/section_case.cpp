@@ -174,7 +174,7 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
       if (!material.young)
         file.refuse(
             at / "young",
-            "needs the reference value of the case: give the case's young, or modulus here");
+            "needs a reference value: give young in the case, or modulus here");
       modulus = part.at("young").get<double>() / *material.young;
     }
     outline.regions.push_back({.outer = parse_ring(part.at("outline")),

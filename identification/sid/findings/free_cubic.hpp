@@ -1,5 +1,5 @@
-// Computes the residual of a chain of masses with free cubic springs, with which the residuals of
-// other models are compared.
+// Computes the residual of a chain of masses with free cubic springs, for comparison with the
+// residuals of other models.
 #pragma once
 
 #include <span>

@@ -18,7 +18,7 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< seed of the holdout runs
   std::filesystem::path journal_stem = {};  ///< each run is saved to STEM.count_K; empty: no file
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Computes the frequencies at a design point instead of the FE solution. An empty point means
+  /// Replaces the FE solution: computes the frequencies at a design point. An empty point means
   /// the intact beam.
   emulator::ModelFactory model = {};
   /// Results of `run_part`; if given, no new runs are made.
@@ -54,7 +54,7 @@ struct RunOptions {
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of training runs: new runs, previous runs (`options.runs`) or the user's (`spec.csv`).
+/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user (`spec.csv`).
 /// If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the number of new
 /// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,

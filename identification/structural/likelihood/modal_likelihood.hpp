@@ -70,7 +70,7 @@ struct ModalNoise {
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
 /// eigenvalues. A relative change of K of about a thousandth has this effect. If more than two
-/// modes are close, each is rotated with the mode closest to it.
+/// modes are close, each mode is rotated with the mode closest to it.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;

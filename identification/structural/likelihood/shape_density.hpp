@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 /// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
 /// scaled to exactly 1. For Σ = σ² I the density is Watson's with concentration |ψ|²/(2σ²) (Mardia
 /// & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
-/// (2000, section 3), who omit the normaliser. At most one entry may have sd 0: the entry by which
-/// the shape was divided.
+/// (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the entry
+/// by which the shape was divided.
 ///
 /// If another mode k has nearly the frequency of the computed mode j, the model error may rotate
 /// both in their common plane by an angle α ~ N(0, τ²) of period π (uniform for large τ). Then ψ =

@@ -46,9 +46,9 @@ namespace wheeltap::identification {
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
 /// the whole structure are unknown. The constructor compares `kReanalysed` solutions by reanalysis
 /// with full solutions. Without reanalysis, each structure is assembled at θ, changed by its
-/// damages and masses, and solved by SubspaceModes. States that differ only in temperature share a
-/// solution. Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ and
-/// damages change only the q_j, for any rank of K_j.
+/// damages and masses, and solved by SubspaceModes. States that differ only in temperature share
+/// one solution of the eigenvalue problem. Matrices of another program, K = Σ q_j K_j, are solved
+/// by ParametricModes: θ and damages change only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that the constructor compares with full solutions.
@@ -161,7 +161,7 @@ class StatesLikelihood {
   struct Joint {
     double log_density = 0.0, chi_square = 0.0;
   };
-  /// Integrates over the stiffness errors of all modes except mode `without` (-1: of all).
+  /// Integrates over the stiffness errors of all modes except mode `without` (-1: of all modes).
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
   /// ∂f/∂a_p of the frequencies `with`; the columns are the `errors()` stiffness errors, once for
   /// each value of `known`.

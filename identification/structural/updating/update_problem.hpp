@@ -20,12 +20,12 @@ struct UpdateProblem : StructuralProblem {
 
   /// Noise parameters at x, including the emulator's error variance at x.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
-  /// The reduced basis that computes the predictions; null if another model does.
+  /// The reduced basis that computes the predictions; null if another model computes them.
   [[nodiscard]] const fem::ParametricModes* basis() const {
     const auto* by = dynamic_cast<const BasisModel*>(model.get());
     return by == nullptr ? nullptr : &by->basis();
   }
-  /// The external program or server that computes the predictions; null if another model does.
+  /// The external program or server that computes the predictions; null if another model computes them.
   [[nodiscard]] const OutsidePredictor* program() const {
     const auto* by = dynamic_cast<const OutsideModes*>(model.get());
     return by == nullptr ? nullptr : &by->predictor();
