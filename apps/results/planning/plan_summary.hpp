@@ -19,8 +19,8 @@ namespace wheeltap::apps {
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// A damage case with the sensors of the recommended design. Its truth is at the location with the
-/// largest smallest detectable damage (detected with probability 0.9), and has this severity. If
+/// A damage case with the sensors of the recommended design. Its truth is at the location where the
+/// smallest detectable damage (detected with probability 0.9) is largest, and has this severity. If
 /// the test detects no damage with probability 0.9, the truth is the largest damage at the location
 /// with the most detections. Measured modes replace the truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,

@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
 /// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
-/// scaled to exactly 1. For Σ = σ² I the density is Watson's with concentration |ψ|²/(2σ²) (Mardia
+/// scaled to exactly 1. For Σ = σ² I the density is that of Watson with concentration |ψ|²/(2σ²) (Mardia
 /// & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
 /// (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the entry
 /// by which the shape was divided.
