@@ -221,7 +221,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   if (const int n = result.remarks.narrow; n > 0)
     out.push_back(
         std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
-        " narrower than the frequency resolution: their damping then relies on the fit alone and is "
+        " narrower than the frequency resolution: the damping then relies on the fit alone and is "
         "valid only if no window function has broadened the peaks of the frequency response "
         "functions.");
   if (const int n = result.remarks.moved; n > 0)

@@ -30,7 +30,7 @@ namespace wheeltap::identification::monitoring {
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
   /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
-  /// 1000 divided by the number of coefficients, but at least six (or four, as above) and at most 24.
+  /// 1000 divided by the number of coefficients, limited to the range from 6 (or 4) to 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers have equal priors
   bool hinges = true, lag = true;

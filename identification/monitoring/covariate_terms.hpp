@@ -51,7 +51,7 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// Scales a row of a time series by the rules for a single row. In addition, an entry counts as missing if two
+  /// Scales a row of a time series. The rules for a single row apply. In addition, an entry counts as missing if two
   /// conditions hold: it exceeds the range of the training period by more than a jump, and it differs by more
   /// than a jump from the covariate's last reading and last used entry. A single wrong reading thus does
   /// not determine the effect of weather outside the training period. A jump is kLargestJump
