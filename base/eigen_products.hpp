@@ -94,7 +94,7 @@ concept Passed =
     Multiplied<typename A::Scalar> && Multiplied<typename B::Scalar> && !(is_map<A> && is_map<B>);
 
 // The parts of an operand of the form scale X, conj(X) or Xᵀ, where X is a matrix in memory. Any
-// other expression is evaluated first.
+// other expression is first evaluated to a matrix.
 template <class Expression>
 struct Operand {
   using Traits = Eigen::internal::blas_traits<Expression>;

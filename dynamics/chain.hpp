@@ -63,8 +63,8 @@ struct Rates {
 
 /// Computes Gershgorin's bounds of the rates from the rows of M⁻¹ K and M⁻¹ C. Each force law
 /// contributes its largest slope at extensions up to `extension[link]` [m]. If `extension` is
-/// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for
-/// one mass. `paces` computes the rates that grow with |ė|.
+/// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for a
+/// chain of one mass. `paces` computes the rates that grow with |ė|.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 

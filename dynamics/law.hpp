@@ -74,7 +74,7 @@ struct LawCoefficient {
   }
 };
 
-/// Description of a force law. Coefficients are listed in the order in which the functions of the
+/// Description of a force law. The list of coefficients has the order in which the functions of the
 /// law read them.
 struct LawInfo {
   std::string_view name;     ///< key of the law in a case file
@@ -103,7 +103,7 @@ struct Slopes {
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
-/// A list of types: the force laws.
+/// A list of the types of the force laws.
 template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));

@@ -70,7 +70,7 @@ enum class Integrator {
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
   /// For chains with at most four nonlinear force laws, all bilinear or contact. Uses the exact
-  /// solution for samples without a switch, and series for samples with a switch.
+  /// solution in sample intervals without a switch, and Taylor series in the others.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
   /// switching times. Supports bilinear, contact, quadratic and cubic laws and exact friction.
@@ -190,7 +190,7 @@ class Misfit {
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
-  /// Returns the misfit of the refined simulator (Simulator::refined) to the same data.
+  /// Returns the misfit to the same data for the refined simulator (Simulator::refined).
   [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< number of residuals per channel

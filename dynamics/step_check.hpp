@@ -29,7 +29,7 @@ struct CheckedResponse {
 };
 
 /// Simulates the response of the simulator's chain with sufficiently short time steps. A first
-/// simulation gives the extensions of links with nonlinear laws. Then the steps are halved as
+/// simulation gives the extensions of links with nonlinear force laws. Then the steps are halved as
 /// StepCheck specifies, or the integrator `series` is used if the laws allow it. If the options fix
 /// the number of substeps, the steps are not changed, and the function only computes the change of
 /// the response with halved steps.

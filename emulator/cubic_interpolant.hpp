@@ -24,9 +24,9 @@ enum class AxisRule {
 /// Monotone piecewise cubic interpolation, section 3). The interpolant is exact at the nodes of the
 /// grid. The rule cubic reproduces parabolas; monotone_cubic reproduces parabolas if the limit of d
 /// is not active. For smooth data, the error is of third order in the spacing, and of second order
-/// near an extremum that monotone_cubic flattens. Use cubic along a factor along which responses
-/// oscillate. If the value of a factor equals a level, no interpolation along this factor is
-/// necessary. Evaluations do not allocate memory. Several threads may call `evaluate` at once.
+/// near an extremum that monotone_cubic flattens. Use the rule cubic for a factor along which
+/// responses oscillate. If the value of a factor equals a level, no interpolation along this factor
+/// is necessary. Evaluations do not allocate memory. Several threads may call `evaluate` at once.
 class CubicInterpolant final : public Interpolant {
  public:
   /// Largest number of stencil nodes in an evaluation. The number of nodes is the product of one

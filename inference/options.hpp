@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 struct Checkpoint;  // checkpoint.hpp
 
-/// The value 0 of some options means that the engine chooses the value.
+/// For some options, the value 0 means that the engine chooses the value.
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
@@ -25,8 +25,8 @@ struct Options {
   int draws = 0;
   int thin = 0;  ///< iterations per draw; 0: the engine chooses
   /// Quick run: few local optimisations, importance sampling from the posterior modes found, short
-  /// chains. The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given.
-  /// The result of a quick run never counts as converged.
+  /// chains. The number of evaluations is fixed unless `warmup`, `draws`, `thin` or `searches` is
+  /// given. The result of a quick run never counts as converged.
   bool quick = false;
   /// True: run without likelihood; the resulting posterior must equal the prior
   bool prior_only = false;
@@ -60,7 +60,7 @@ struct Options {
   /// False: do not compute the evidences of models and the probability masses of posterior modes
   /// (NaN), for a caller that needs only draws. The exploration then has at most three rounds of
   /// importance sampling per model, and two local optimisations from draws of the parallel
-  /// tempering. This suffices for starting points and proposals.
+  /// tempering. These results suffice for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in

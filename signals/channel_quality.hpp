@@ -8,7 +8,7 @@
 
 namespace wheeltap::signals {
 
-/// A time interval of a record: samples [begin, end).
+/// An interval of a record: samples [begin, end).
 struct Stretch {
   long begin, end;
 };
@@ -27,7 +27,7 @@ struct ChannelQuality {
   /// samples that are equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
-  /// sequences of at least three samples count.
+  /// sequences of at least three clipped samples count.
   long clipped_high = 0, clipped_low = 0;
   /// Spikes: single samples that differ from the cubic through two neighbours on either side by
   /// more than 12 local robust standard deviations of that difference. After the sample is replaced

@@ -28,8 +28,8 @@ namespace wheeltap::signals {
 
 /// Computes the standardised innovations of ar_log_likelihood for sigma = 1: e_t / √(∏_{j<=m} (1 -
 /// π_j²)). The log-likelihood is then ln p = c(π) - N ln σ - ½ Σ out_t² / σ². The innovations are
-/// linear in the residuals. `out` may be the memory of `residuals`. Throws std::invalid_argument
-/// for a partial autocorrelation outside (-1, 1).
+/// linear in the residuals. `out` may be the same memory as `residuals`. Throws
+/// std::invalid_argument for a partial autocorrelation outside (-1, 1).
 void ar_innovations(std::span<const double> residuals,
                     std::span<const double> partial_autocorrelations, std::span<double> out);
 

@@ -43,8 +43,8 @@ struct FrequencyResponse {
                                                    std::span<const double> y, double sample_rate_hz,
                                                    WelchOptions options = {});
 
-/// Comparison of a time window of a record with the whole record. Both spectra use the same segment
-/// length.
+/// Comparison of a time window of a record with the whole record. Both spectra are estimated with
+/// the same segment length.
 struct SpectrumComparison {
   Spectrum full, window;
   double power_ratio = 1.0;  ///< variance of the window divided by the variance of the record

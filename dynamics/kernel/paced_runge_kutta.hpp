@@ -222,7 +222,7 @@ class PacedRungeKutta {
   }
 
   /// Shortens the time step so that it ends when the rate of extension of a link with hysteresis,
-  /// or the internal state of a force law, changes sign. At this time, the rate of the internal
+  /// or the internal state of a force law, changes sign. At this zero, the rate of the internal
   /// state is not smooth. Returns true if the step of any lane was shortened.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {

@@ -32,7 +32,7 @@ struct Strain {
   double factor = 1.0;
 };
 
-/// The name of a degree of freedom, as messages and sensors use it.
+/// The name of a degree of freedom, as used in messages and for sensors.
 struct DofName {
   std::string place;  ///< a node, or a location on a member
   std::string direction;

@@ -45,7 +45,7 @@ struct Standings {
   std::vector<ModelStanding> models;
   /// Model probabilities from the evidences; from the draws for models without evidence
   ImpliedProbabilities implied;
-  /// Per model: true if some chain should have visited the model but did not
+  /// Per model: true if some chain should have visited the model, but has no draws of it
   std::vector<bool> missed;
   std::vector<Evidence> evidence;
   /// Per model: true if its evidence comes from its posterior draws or from draws of its mixture.

@@ -73,8 +73,8 @@ struct Verdict {
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. For a model with a probability above 1 %: if more than 5 % of its
 ///   draws are outside, the relative error of this fraction must be at most 0.1, which requires 100
-///   effective visits. Only local moves reach the region outside. Without this rule, all chains may
-///   agree although they have visited only half of the neck of a funnel.
+///   effective visits. Only local moves reach the region outside the mixture. Without this rule,
+///   all chains may agree although they have visited only half of the neck of a funnel.
 /// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts
 ///   (or model indicators) satisfy these limits or have probabilities with errors below 0.001.
 /// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or

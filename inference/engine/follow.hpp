@@ -13,9 +13,9 @@ namespace wheeltap::inference {
 /// is lower than the limit of the convergence diagnosis.
 inline constexpr double kWorthFollowing = 0.01;
 
-/// SMC approaches the posterior from the whole prior. SMC can therefore sample regions, such as the
-/// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If
-/// the fraction of a model's draws outside the mixture is larger for SMC than for the chains, this
+/// SMC starts from draws of the whole prior. SMC can therefore sample regions, such as the ends of
+/// a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If the
+/// fraction of a model's draws outside the mixture is larger for SMC than for the chains, this
 /// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
 /// steps, the draw was an artefact of SMC. If the chain stays outside, the posterior has mass in
 /// this region. The function sets ModelFindings::annealed_beyond of models with a probability of at

@@ -1,4 +1,4 @@
-// Memory, disk and run time of the engine, estimated before it runs.
+// Memory, disk space and run time of a run, estimated before it starts.
 #pragma once
 
 #include "inference/model/target.hpp"
@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 struct RunCost {
   double bytes = 0.0;  ///< peak memory
   double disk = 0.0;   ///< largest size of the results folder [bytes]
-  /// Number of likelihood evaluations, or of FE solutions in a table
+  /// Number of likelihood evaluations; for a table, number of FE solutions
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;

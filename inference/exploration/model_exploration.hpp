@@ -22,7 +22,7 @@ struct ExplorationOptions {
   long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
   bool anneal = true;    ///< run SMC from the prior, but only as much as needed
-  /// If true, run local optimisations only, for one of very many models. The evidence is then
+  /// If true, run only local optimisations (for a model of a very long list). The evidence is then
   /// computed by Laplace's method, with an assumed error of one nat. The population is drawn from
   /// the normal approximations at the posterior modes.
   bool climbs_only = false;

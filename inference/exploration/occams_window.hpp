@@ -14,7 +14,7 @@ class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// `within`: models one step within m. `around`: models of which m is one step within.
+  /// `within`: models one step within m. `around`: models b such that m is one step within b.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
   /// Smallest number of steps from m to a model in which no other model is nested.

@@ -207,7 +207,7 @@ class Target {
   /// problem is missing or returns null.
   Target(const Problem& problem, bool prior_only);
 
-  /// Counts of values of one likelihood.
+  /// Number of values of one likelihood, and number of invalid values.
   struct Tally {
     long values = 0;
     long impossible = 0;  ///< number of values of NaN or +∞
@@ -274,7 +274,7 @@ class Target {
   bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
                     std::span<double> information);
 
-  /// Draws model and parameters from the prior without the prior factor. The state is not
+  /// Draws model and parameters from the prior; the prior factor is ignored. The state is not
   /// evaluated.
   void draw_prior(base::Random& random, State& state) const;
   /// Draws the parameters of one model from the prior. The state is not evaluated.

@@ -1,4 +1,4 @@
-// Steps along the difference of two archived states.
+// Steps in the direction of the difference between two archived states.
 #pragma once
 
 #include <memory>

@@ -55,7 +55,7 @@ class Kernel {
 /// that draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
-/// Statistics of a kernel while its efficiency is estimated.
+/// Statistics of a kernel, for the estimate of its efficiency.
 struct KernelRecord {
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
@@ -76,8 +76,8 @@ struct KernelRecord {
   }
 };
 
-/// A move is a reversible pair: one expression gives the forward and the reverse density. A move
-/// defines only the proposal; the sampler adds prior and likelihood.
+/// A move is a reversible pair of proposals: one expression gives the forward and the reverse
+/// density. A move defines only the proposal; the sampler adds prior and likelihood.
 class Move {
  public:
   virtual ~Move() = default;
@@ -103,8 +103,8 @@ class Move {
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
 /// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The first stage accepts
-/// the proposal with the probability above, with ℓ* instead of ℓ. If so, ℓ is computed, and the
-/// second stage accepts the proposal with probability
+/// the proposal with the probability above, computed with ℓ* instead of ℓ. If so, ℓ is computed,
+/// and the second stage accepts the proposal with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///

@@ -19,7 +19,7 @@ namespace wheeltap::inference {
 /// Metropolis adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society
 /// B 73:123, section 5, with the information matrix, but not its derivatives). The move is suitable
 /// for posteriors close to a curved surface, for example if the data determine only some directions
-/// of many parameters. Each proposal costs a call of Target::gauss_newton.
+/// of many parameters. Each proposal requires a call of Target::gauss_newton.
 ///
 /// The move makes no proposal if Target::gauss_newton returns false or the likelihood has no exact
 /// derivatives.

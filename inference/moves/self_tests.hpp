@@ -18,8 +18,8 @@ namespace wheeltap::inference {
 struct PriorCheck {
   /// One fault per entry, with the position; empty if no fault was found
   std::vector<std::string> faults;
-  /// ∫ p(x) dx over the central interval with the probability 1 - 2e-9. The density is normalised
-  /// if this integral is within 1e-6 of 1.
+  /// ∫ p(x) dx over the central interval that has the probability 1 - 2e-9. The density is
+  /// normalised if this integral is within 1e-6 of 1.
   double mass = 0.0;
   [[nodiscard]] bool passed() const { return faults.empty(); }
 };

@@ -89,7 +89,7 @@ struct ClimbEnd {
 
 /// Computes the Hessian at a posterior mode by differences with steps that lower ln π by about a
 /// twentieth of a nat. The Hessian is made positive definite, so that no direction is much wider
-/// than the prior. If the likelihood has exact derivatives, they replace second differences.
+/// than the prior. Exact derivatives, if the likelihood has them, replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
 /// Squared distance of z from a mode, in standard deviations of its normal approximation.

@@ -27,8 +27,8 @@ struct ModeSearchOptions {
   /// differences would need. Optimisations in progress are completed. Those after replacements of
   /// components may use a further 10 % of the budget, or as many evaluations as before.
   long budget = 100000;
-  /// Factor in (0, 1] that reduces the work for a growing record. The factor multiplies the numbers
-  /// of optimisations from prior draws, followed posterior modes, and draws per mode.
+  /// Factor in (0, 1] that reduces the work for a growing record. It multiplies the numbers of
+  /// optimisations from prior draws, of tracked posterior modes, and of draws per mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
@@ -46,7 +46,7 @@ struct ModeSearch {
   std::vector<Mode> modes;  ///< by decreasing probability mass, down to e^-25 of the largest
   long climbs = 0;          ///< number of completed optimisations from starts of positive density
   /// Mean distance between the points at which these optimisations evaluated ln π, in standard
-  /// deviations of the prior; 0: not known. A narrower posterior mode may lie between two points.
+  /// deviations of the prior; 0: not known. The search may miss a narrower mode.
   double spacing = 0.0;
   /// Number of further posterior modes, omitted because a search keeps a limited number of modes,
   /// and the fraction of the probability mass at these modes (Laplace's method).

@@ -1,4 +1,4 @@
-// Search for a much narrower posterior mode at the maximum of a known posterior mode.
+// Search for a much narrower posterior mode near the maximum of a known posterior mode.
 #pragma once
 
 #include <optional>

@@ -18,8 +18,8 @@ using ChainsOf = std::vector<std::vector<double>>;
 /// chains differ.
 [[nodiscard]] double rhat(const ChainsOf& draws);
 /// Effective sample size of the N rank-normalised split draws (Vehtari et al. 2021, sections 3.2
-/// and 4.3), by Geyer's initial monotone sequence. The result is at most N log10 N for antithetic
-/// chains, and N for a constant.
+/// and 4.3), by Geyer's initial monotone sequence. The result is limited to N log10 N (antithetic
+/// chains); it is N for a constant.
 [[nodiscard]] double ess_bulk(const ChainsOf& draws);
 /// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (Vehtari et al. 2021,
 /// section 4.3).
@@ -54,8 +54,8 @@ struct ModelProbabilities {
   std::vector<double> sd;       ///< 0 for a model never visited
   Eigen::MatrixXd transitions;  ///< number of transitions between models, models × models
   /// Size of an independent sample that would give the same uncertainty: the mass of the Dirichlet
-  /// distribution with the same mean and total variance, minus the mass of the prior. Infinite if
-  /// only one model was visited.
+  /// distribution with the same mean and total variance, minus the mass of the prior. The size is
+  /// infinite if only one model was visited.
   double effective_draws = 0.0;
 };
 /// Throws std::invalid_argument for an index outside [0, models) or fewer than 1 posterior draw.

@@ -10,8 +10,8 @@
 
 namespace wheeltap::io {
 
-/// Reads the time stamps of a column as seconds since the first time stamp. Times of day without a
-/// date restart at midnight.
+/// Reads the time stamps of a column as seconds since the first time stamp. For times of day
+/// without a date, the seconds increase beyond midnight.
 class StampColumn {
  public:
   /// `stated` is the "time_format" of the case, for messages; empty: the format is detected.
@@ -22,7 +22,7 @@ class StampColumn {
   /// was read. If not, returns the end of an error message that begins with the text.
   [[nodiscard]] std::string read(std::string_view text, double& seconds);
   [[nodiscard]] const std::optional<TimeStamp>& first() const { return first_; }
-  /// Largest number of decimals of the seconds.
+  /// Largest number of decimals of the seconds in the column.
   [[nodiscard]] int decimals() const { return decimals_; }
   /// The pattern of the time stamps.
   [[nodiscard]] std::string pattern() const;

@@ -45,7 +45,7 @@ bool take_cell(std::string_view& line, char separator, std::string_view& cell);
 /// most rows.
 [[nodiscard]] bool is_remarks_name(std::string_view name);
 
-/// True if a string is spelled like a unit: "m/s^2", "[kN]", "(-)". This function only serves to
+/// True if a string is spelled like a unit: "m/s^2", "[kN]", "(-)". Use this function only to
 /// distinguish a line of units from a line of names; signals/units.hpp interprets units.
 [[nodiscard]] bool spells_unit(std::string_view text);
 

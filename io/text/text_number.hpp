@@ -7,7 +7,7 @@
 namespace wheeltap::io {
 
 /// The printed precision of numbers: the largest number of digits after the decimal point, and the
-/// largest number of significant digits. Both values are negative before the first number.
+/// largest number of significant digits. Both values are negative if no number has been read.
 struct PrintedDigits {
   int decimals = -1;
   int digits = -1;

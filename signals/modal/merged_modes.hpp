@@ -2,7 +2,7 @@
 //
 // The modes of each set-up are identified separately, and then merged (PoSER: Reynders, Magalhães,
 // De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech. Syst. Signal
-// Process. 36:562). The records of the set-ups need neither the same start nor the same excitation.
+// Process. 36:562). The records of the set-ups may have different start times and excitations.
 // Merged frequencies and damping ratios are weighted means x̄ = Σ w_s x_s / Σ w_s over the set-ups
 // s, with w_s = 1/(v_s + τ²). v_s is the variance of the estimate of set-up s, and τ² is the
 // additional variance between set-ups (DerSimonian & Laird 1986). The shape of each set-up s has an

@@ -1,8 +1,8 @@
 // Merging of the covariances of several set-ups before identification: the result corresponds to
 // the covariances of one set-up with all sensors.
 //
-// The set-ups s share reference sensors, but not the excitation. The block Hankel matrices of the
-// set-ups,
+// The set-ups s have common reference sensors, but different excitations. The block Hankel matrices
+// of the set-ups,
 //   H_s = (O_ref; O_s) Z_s   (rows of the references; rows of the moved sensors)
 // have the same observability matrix, that of the structure, and different factors Z_s (PreGER:
 // Döhler, Reynders, Magalhães, Mevel, De Roeck & Cunha 2011, Identification of bridge modal

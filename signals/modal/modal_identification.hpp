@@ -65,7 +65,7 @@ enum class ModalMethod {
                   ///< (identification/modal/bayesian_modes.hpp)
 };
 
-/// Warnings about the identification as a whole.
+/// Warnings about the whole identification.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
   int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
@@ -124,8 +124,8 @@ struct ModalResult {
                                            const std::vector<std::vector<int>>& references,
                                            int count, const ModalOptions& options);
 
-/// Checks and completes the band in `out`, and returns the records, decimated to suit this band.
-/// Throws std::invalid_argument like identify_modes. Public for the implementations of the methods.
+/// Checks and completes the band in `out`, and returns the records decimated for this band. Throws
+/// std::invalid_argument like identify_modes. Public for the implementations of the methods.
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
 

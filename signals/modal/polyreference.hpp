@@ -7,9 +7,9 @@
 // band to nine tenths of the unit circle. The fit minimises the sum of squares of B(Ω_k) - H(ω_k)
 // A(Ω_k) with A_n = I, and eliminates B for each output separately (Guillaume et al. 2003, IMAC 21;
 // Peeters, Van der Auweraer, Guillaume & Leuridan 2004, Shock Vib. 11:395). With A_n = I, the poles
-// that fit only noise lie inside the unit circle of Ω. These poles are unstable, so their negative
-// damping ratios identify them. The poles λ_r = iω₁ - ln Ω_r / T follow from det A(Ω_r) = 0, and
-// the participation vectors from l_rᵀ A(Ω_r) = 0. fit_shapes computes the mode shapes.
+// that fit only noise lie inside the unit circle of Ω. These poles are unstable and therefore have
+// negative damping ratios. The poles λ_r = iω₁ - ln Ω_r / T follow from det A(Ω_r) = 0, and the
+// participation vectors from l_rᵀ A(Ω_r) = 0. fit_shapes computes the mode shapes.
 //
 // Noise biases the linear least-squares fit. The modes of the stabilisation diagram are therefore
 // refined together by nonlinear least squares (modal_model.hpp).

@@ -84,7 +84,7 @@ struct Stabilisation {
 /// upper half of the candidates' model orders, the pole with the median frequency is chosen. This
 /// rule avoids model orders that are too high, whose poles are less accurate, and low model orders
 /// that may not resolve neighbouring modes. The choice among the candidates does not depend on
-/// their uncertainty.
+/// their uncertainties.
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
 /// therefore a candidate only if its model order resolves all steady modes, also outside the band,

@@ -17,8 +17,8 @@ struct StructureDefects {
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// A stiffness reduction of the segment of a member from `from` to `to`. All its stiffnesses are
-  /// multiplied by 1 - r. Where two reductions overlap, the fraction (1
+  /// A stiffness reduction of the segment of a member from `from` to `to`. All stiffnesses of this
+  /// segment are multiplied by 1 - r. Where two reductions overlap, the fraction (1
   /// - r₁)(1 - r₂) remains.
   struct Reduction {
     int member;
@@ -77,7 +77,7 @@ struct StructureDefects {
 /// The rotation θ = c v · t of a hinge also displaces the mass of the element by g(x) θ. The
 /// function g is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p
 /// · Bu, the mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The
-/// change is the sum of a positive and a negative mass.
+/// change of M is the sum of a positive and a negative mass.
 ///
 /// The defects are added to the initial change `change`. If several softenings act on the same
 /// strain, their remaining fractions are multiplied. Throws std::invalid_argument for locations

@@ -22,8 +22,8 @@ namespace wheeltap::fem {
 class SparseModes {
  public:
   /// `elastic` is the number of modes to compute, `massive` the number of all modes (`mode_count`).
-  /// `start` holds modes at θ₀ as columns, `motions` the requested components of the shapes. The
-  /// structure must be affine, must not have rigid-body motions, and must outlive this object.
+  /// `start` holds modes at θ₀ as columns, `motions` the requested components of the shapes. K and
+  /// M must be affine in θ. The structure must have no rigid-body motions and outlive this object.
   SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
               const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 

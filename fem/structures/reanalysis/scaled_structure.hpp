@@ -25,7 +25,7 @@ namespace wheeltap::fem {
 /// μ_i are affine in θ, and the decomposition is exact within 1e-9.
 class ScaledStructure {
  public:
-  /// Largest total number of vectors b_c and r_i. For larger numbers, other methods are faster.
+  /// Largest total number of vectors b_c and r_i. For more vectors, other methods are faster.
   static constexpr int kMostColumns = 16;
 
   /// Returns std::nullopt if the family does not have this form or needs more than kMostColumns.
