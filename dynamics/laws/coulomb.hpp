@@ -12,7 +12,7 @@ namespace wheeltap::dynamics::laws {
 /// T = F sgn(ė) in slip; in stick |T| <= F, and T has the value that keeps ė = 0.
 ///
 /// The integrators locate the times of the transitions (kernel/friction.hpp). If the creep speed v
-/// is > 0 or a parameter, the law is regularised:
+/// is positive or unknown (a parameter), the law is regularised:
 ///
 ///   T = F tanh(ė / v).
 ///
