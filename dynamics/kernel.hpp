@@ -36,8 +36,8 @@ struct DriveTerm {
 struct SensorTerm {
   int mass = 0;
   int quantity = 0;              ///< order of the time derivative of the displacement
-  const double* base = nullptr;  ///< base motion, one value per sample of the excitation; null for
-                                 ///< a sensor of relative motion
+  const double* base = nullptr;  ///< base motion, one value per sample of the excitation;
+                                 ///< null: relative motion
   int base_slot = 0;             ///< scale, offset
   const double* observed = nullptr;
   int slot = 0;  ///< slot of scale and offset of the observed signal

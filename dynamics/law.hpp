@@ -82,10 +82,10 @@ struct LawInfo {
   std::string_view description;  ///< meaning of the law, as a phrase
   std::string_view notes = {};   ///< further advice, in whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
-  bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", T = -T_open(-e,
-                           ///< -ė) for side = "closing"
+  bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", and
+                           ///< T = -T_open(-e, -ė) for "closing"
   bool memory = false;     ///< true: the law has an internal state
-  bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
+  bool paced = false;      ///< the law has rates that grow with |ė| (Slopes)
 
   [[nodiscard]] constexpr int size() const {
     int n = 0;

@@ -101,7 +101,7 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Integrates the parameter vectors in groups; the vectors of a group have equal keys. Calls
+  /// Integrates the parameter vectors in groups with equal time-step parameters (Key). Calls
   /// receive(lane, task) for each parameter vector after the integration of its group. If `sums` is
   /// false, task.trajectory holds the trajectory. `weights` (per vector and sensor) and `limits`
   /// (per vector) have the meaning of kernel::Task::weights, or are empty.

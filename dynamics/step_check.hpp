@@ -21,10 +21,10 @@ struct CheckedResponse {
   /// The outcome is `diverged` only if the response also diverges with time steps a quarter as
   /// long; otherwise it is `steps_too_long`.
   Response response;
-  double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
-                        ///< has no truncation error
-  /// Options of the simulation that computed the response. The options contain the extensions of
-  /// the links and the step limit that was sufficient.
+  double change = 0.0;  ///< change due to halved time steps; 0 for the exact solution
+  /// Options of the simulation that computed the response. The
+  /// options contain the extensions of the links and the step
+  /// limit that was sufficient.
   SimulatorOptions options;
 };
 

@@ -12,10 +12,10 @@ struct RefinementOptions {
   std::vector<double> tolerance;  ///< largest admissible error per response, in the unit of the
                                   ///< response, > 0
   const InterpolantType* interpolant = &kMultilinear;  ///< type of the interpolant on the grid
-  std::vector<bool> waves = {};                        ///< one entry per factor, see
-                                                       ///< TrainingOptions
-  /// The admissible levels of each factor, increasing (for example element midpoints). An empty
-  /// entry admits any value of the factor. An empty list admits any value of every factor.
+  std::vector<bool> waves = {};                        ///< see TrainingOptions::waves
+  /// The admissible levels of each factor, increasing (for example element midpoints).
+  /// An empty entry admits any value of the factor. An empty list admits any value of
+  /// every factor.
   std::vector<std::vector<double>> candidates = {};
   Eigen::Index most_runs = 100'000;  ///< largest number of runs of the grid
   int probes = 24;  ///< number of probes per interval, at random levels of the other factors

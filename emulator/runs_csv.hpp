@@ -19,7 +19,7 @@ namespace wheeltap::emulator {
 struct ResponseColumns {
   std::string name;  ///< name of the responses in the table
   /// Factor by which the numbers of a column are multiplied; empty for a unit that cannot be
-  /// converted. Without this function, all columns must have the same unit.
+  /// converted. If `factor` is not set, all columns must have the same unit.
   std::function<std::optional<double>(const io::Column&)> factor = {};
   std::string unit = {};   ///< unit of the converted numbers; used with `factor`
   std::string units = {};  ///< units that `factor` converts, for messages

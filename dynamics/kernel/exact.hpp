@@ -150,8 +150,8 @@ class Exact {
     multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
     for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
 
-    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. For the time step shortened by
-    // halving, B is multiplied by `factor`.
+    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. The factor `factor` converts B
+    // to the time step that results from the halvings.
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < j; ++c) {
         V first{}, second{};

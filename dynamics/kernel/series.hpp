@@ -11,7 +11,7 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// linear beyond a threshold. The solution between two samples is analytic except where a force law
 /// switches. Each sample interval is divided into segments, with one series for each segment. A
 /// segment ends after its full length, or earlier when the first force law reaches its threshold. A
-/// step across a switch would have an error of second order in the step length. This error would
+/// time step across a switch would have an error of second order in its length. This error would
 /// depend on the position of the switch and make the likelihood discontinuous. Exact friction adds
 /// events: a slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
 template <int N, bool kSerial>

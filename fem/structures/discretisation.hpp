@@ -25,7 +25,7 @@ struct SparseRow {
   [[nodiscard]] bool empty() const { return dofs.empty(); }
 };
 
-/// One strain; twice its energy is factor (row · u)². The factor is 1, or -1 for the geometric
+/// One strain; its energy is ½ factor (row · u)². The factor is 1, or -1 for the geometric
 /// stiffness of a compressed member. The row contains the square root of the stiffness.
 struct Strain {
   SparseRow row;

@@ -68,7 +68,7 @@ class TemperedChain {
 
   /// Enables the adaptation of the weights in all later adaptive scans.
   void balance_models() { ladder_.balancing = true; }
-  /// Log weights w of the models at the coldest rung, β = 1.
+  /// Log weights w of the models at the coldest rung (β = 1).
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
   /// Sets the state of the replica at β = 1.
   void set_cold(const State& state) { ladder_.states.back() = state; }

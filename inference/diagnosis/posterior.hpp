@@ -45,10 +45,10 @@ struct ModelFindings {
   long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
   /// Mean distance between the evaluated points of the optimisations (ModeSearch::spacing)
   double spacing = 0.0;
-  bool glanced = false;  ///< true if, in a long list of models, this model was searched by local
-                         ///< optimisations alone
-  /// True if this model of a long nested list was not evaluated. All evaluated models that differ
-  /// by one step from this model are then outside Occam's window (exploration/occams_window.hpp).
+  bool glanced = false;  ///< true: searched by local optimisations alone (in a long list of models)
+  /// True if this model of a long nested list was not evaluated. All evaluated
+  /// models that differ by one step from this model are then outside Occam's
+  /// window (exploration/occams_window.hpp).
   bool passed_over = false;
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.

@@ -19,13 +19,13 @@ namespace wheeltap::inference {
 struct Verdict {
   std::vector<ModelStanding> models;    ///< one element per model of the model space
   bool converged = false;               ///< true if and only if `not_established` is empty
-  std::vector<Reason> not_established;  ///< the most serious reason first; reasons of one kind by
-                                        ///< descending model probability
-  /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
-  /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
-  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n); `resolution` is the
-  /// largest resolution over the models, and 1 without a search. In a long list, models with only
-  /// local optimisations and a probability below kLimits.searched_model are excluded.
+  std::vector<Reason> not_established;  ///< most serious first, then by descending probability
+  /// Resolution of the mode search: a prior probability. If the basin of attraction of a
+  /// posterior mode has a smaller prior probability, all local optimisations miss the mode with a
+  /// probability above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n);
+  /// `resolution` is the largest resolution over the models, and 1 without a search. In a long
+  /// list, models with only local optimisations and a probability below kLimits.searched_model
+  /// are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
@@ -43,9 +43,9 @@ struct Verdict {
   /// as "model/parameter". `rhat_max` does not include parameters, for which a separate rule
   /// applies.
   std::vector<std::pair<std::string, double>> rhats;
-  /// Smallest effective sample size over the counts of the component kinds, or over the indicators
-  /// of the models with probabilities above 0.1 %. If counts and indicators hardly change,
-  /// `ess_model` is the effective sample size of the log posterior, because a constant has no
+  /// Smallest effective sample size of the component counts, or of the indicators of models
+  /// with probabilities above 0.1 %. If counts and indicators hardly change, `ess_model` is
+  /// the effective sample size of the log posterior, because a constant has no
   /// autocorrelation.
   double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail effective sample size

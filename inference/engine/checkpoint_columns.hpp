@@ -84,7 +84,7 @@ class Writer {
     names_.within(member, [&] { put(value); });
     if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
-  /// Begins the columns of another chain with `draws` draws.
+  /// Starts to write the columns of the next chain, which has `draws` draws.
   void chain(std::size_t draws) {
     const std::size_t c = chains_++;
     draws_ = {.all = draws,

@@ -6,7 +6,7 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood evaluations of each stage, all chains together. A run that has not converged after
+/// Number of likelihood evaluations of all chains in each stage. A run that has not converged after
 /// its planned draws continues and needs more likelihood evaluations.
 struct RunPlan {
   double explore = 0.0;  ///< evaluations by mode search, SMC or tempering, and importance sampling

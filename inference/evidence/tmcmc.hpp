@@ -21,10 +21,10 @@ struct TmcmcOptions {
   /// Number of independent replicates, at least 4; their scatter gives the standard error
   int replicates = 8;
   int samples = 500;        ///< number of samples per replicate
-  double weight_cov = 0.5;  ///< coefficient of variation of the weights, which determines each
-                            ///< increment of β
-  /// Number of accepted moves per sample, on average, before the next stage. For a growing record,
-  /// which has many stages, this number is halved.
+  double weight_cov = 0.5;  ///< coefficient of variation of the weights; sets the steps of β
+  /// Number of accepted moves per sample, on average, before the next stage. For
+  /// a growing record, which has many stages, this number
+  /// is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
@@ -49,7 +49,7 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
   int stages = 0;                     ///< largest number of stages of any replicate
-  /// Number of half-stages with screened moves, summed over the replicates
+  /// Number of half-stages with screened moves, total of all replicates
   long screened = 0;
   /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
   /// tempered posteriors, and log_posterior is empty.

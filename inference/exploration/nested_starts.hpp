@@ -21,9 +21,9 @@ namespace wheeltap::inference {
 
 /// Starting points of local optimisations in `model`, computed from the best posterior modes of
 /// explored models nested in `model`, at most `most` of them. The nested models are ordered by the
-/// number of missing parameters, then by descending evidence. Each gives two starting points: with
-/// the missing parameters at the medians of their priors, and at the 7 % quantiles (z = -1.5). For
-/// a coefficient of either sign, the median means no effect; for a positive coefficient, the
+/// number of missing parameters, then by descending evidence. Each model gives two starting points:
+/// with the missing parameters at the medians of their priors, and at the 7 % quantiles (z = -1.5).
+/// For a coefficient of either sign, the median means no effect; for a positive coefficient, the
 /// quantile means a small effect. The search thus finds a force law that has one more term than a
 /// force law already found. Local optimisations from draws of the prior would rarely find this
 /// force law. The result is empty if no explored model is nested in `model`.

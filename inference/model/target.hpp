@@ -30,7 +30,7 @@ struct Evaluation {
   /// noise. The product residual · noise_scale then does not depend on the noise.
   double noise_scale = 1.0;
 
-  /// Resets the values and keeps the memory.
+  /// Resets the values, but keeps the allocated memory.
   void clear() {
     log_likelihood = -std::numeric_limits<double>::infinity();
     prediction.clear();
@@ -109,7 +109,7 @@ class Likelihood {
                             std::span<double> /*information*/) {
     return false;
   }
-  /// True if `gradient` and `gauss_newton` give exact derivatives and take as long as about two
+  /// True if `gradient` and `gauss_newton` give exact derivatives, each in about the time of two
   /// evaluations.
   [[nodiscard]] virtual bool has_exact_derivatives() const { return false; }
 };
@@ -246,7 +246,7 @@ class Target {
   /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
   /// log_screen of other states may be -∞.
   void screen_above(double level, double beta, State& state);
-  /// Computes the remaining members of a screened state.
+  /// Computes those members of a screened state that `screen` does not compute.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
   /// Likelihood::has_exact_derivatives.

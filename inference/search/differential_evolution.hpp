@@ -16,9 +16,9 @@ struct SadeOptions {
   double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
   std::vector<std::vector<double>> start = {};  ///< first members of the first population, if not
                                                 ///< empty
-  double bound = std::numeric_limits<double>::infinity();  ///< |z_i| <= bound; larger |z_i| are
-                                                           ///< reflected at the bound
-  /// The search stops if the best and the worst value of the population differ by less than
+  double bound = std::numeric_limits<double>::infinity();  ///< bound at which |z_i| is reflected
+  /// The search stops if the best and the worst value of the
+  /// population differ by less than
   /// `tolerance`.
   double tolerance = 1e-9;
 };

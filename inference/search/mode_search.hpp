@@ -23,9 +23,9 @@ struct Mode {
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< number of optimisations; 0: kFewestClimbs to kMostClimbs, by `budget`
-  /// Maximum number of likelihood evaluations; an exact gradient counts as the evaluations that
-  /// differences would need. Optimisations in progress are completed. Those after replacements of
-  /// components may use a further 10 % of the budget, or as many evaluations as before.
+  /// Maximum number of likelihood evaluations; exact derivatives count like central differences.
+  /// Optimisations in progress are completed. Those after replacements of components may use a
+  /// further 10 % of the budget, or as many evaluations as before.
   long budget = 100000;
   /// Factor in (0, 1] that reduces the work for a growing record. It multiplies the numbers of
   /// optimisations from prior draws, of tracked posterior modes, and of draws per mode.
@@ -106,7 +106,7 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 
 /// The resolution with respect to basins of steepest ascent, for posterior modes of the width
 /// `width` [standard deviations of the prior]. For widths below the `spacing` of the optimisations,
-/// the resolution is larger by the factor spacing / width, and at most 1.
+/// the resolution is multiplied by spacing / width, up to at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

@@ -409,7 +409,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
         sources.push_back(nullptr);
       } else if (same->step != clock.step || same->first != clock.first) {
         out.others.push_back(shown +
-                             " (other time step or offset than channels of this length)");
+                             " (its time step or offset differs from channels of this length)");
         continue;
       }
     }

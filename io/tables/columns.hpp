@@ -38,7 +38,7 @@ struct Columns {
   std::vector<Column> columns = {};  ///< columns of equal length; columns that were not requested
                                      ///< are empty
   std::map<std::string, double> scalars = {};
-  /// Descriptions of content that is not a column, for files of arrays: "note (text)".
+  /// For files of arrays: descriptions of content that is not a column, e.g. "note (text)".
   std::vector<std::string> others = {};
   int first_line = 0;                      ///< line of row 0; 0 for binary files
   std::vector<int> skipped = {};           ///< rows preceded by a comment, in ascending order

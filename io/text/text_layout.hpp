@@ -75,8 +75,8 @@ struct TableShape {
   std::size_t first = 0;             ///< index of the first row among the lines
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
-  bool date_unnamed = false;   ///< the first columns are a date and a time, and the line of names
-                               ///< contains a name for the time only
+  bool date_unnamed = false;         ///< the first columns are date and time; the line of names
+                                     ///< names the time only
   bool index_unnamed = false;  ///< the first column numbers the rows and has no name in the line of
                                ///< names
 };

@@ -18,7 +18,7 @@
 namespace wheeltap::io {
 
 /// A degree of freedom of a node. The directions 1, 2, 3 are translations along +x, +y, +z; 4, 5, 6
-/// are rotations about these axes. A negative number means the opposite direction, 0 a scalar.
+/// are rotations about these axes. A negative number means the opposite direction, and 0 a scalar.
 struct UniversalDof {
   std::string entity = {};  ///< "NONE" in files is empty here
   int node = 0;
@@ -143,8 +143,8 @@ struct UniversalFile {
   std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number; 2414 is
-                                     ///< skipped if its values are not at nodes
+  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number, including
+                                     ///< 2414 without nodal values
 
   /// The file's unit of length in metres.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }

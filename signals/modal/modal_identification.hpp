@@ -30,11 +30,11 @@ enum class ModeDoubt {
                     ///< order with the mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
-  tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
-                    ///< machine
-  /// A second mode has the same shape. Its frequency is equal within the standard deviations,
-  /// or it lies within the half-power bandwidths and has a smaller uncertainty than this
-  /// mode.
+  tone,             ///< very low damping ratio and constant amplitude: perhaps a machine harmonic
+  /// A second mode has the same shape. Its frequency is equal
+  /// within the standard deviations, or it lies within the
+  /// half-power bandwidths and has a smaller uncertainty
+  /// than this mode.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
@@ -44,12 +44,12 @@ inline constexpr double kCollinear = 0.8;
 
 struct Mode {
   Pole pole = {};
-  double collinearity = 0.0;     ///< modal phase collinearity
-  double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< number of model orders with this mode; number of all model
-                                 ///< orders, counted from the first with this mode
-  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
-                                    ///< a sine, 2 for noise
+  double collinearity = 0.0;        ///< modal phase collinearity
+  double phase_deviation = 0.0;     ///< mean phase deviation [rad]
+  int present = 0, orders = 0;      ///< number of model orders with this mode; number of all orders
+                                    ///< from the first one
+  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency:
+                                    ///< 1: sine, 2: noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
   std::vector<ModeDoubt> doubts = {};
 };

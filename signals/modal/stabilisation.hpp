@@ -34,8 +34,8 @@ struct StabilisationOptions {
 /// Poles of several model orders that belong to one mode.
 struct ModeCluster {
   std::vector<int> members = {};  ///< indices in Stabilisation::poles, by order
-  int orders = 0;                 ///< number of model orders from the first model order with this
-                                  ///< mode to the last computed model order
+  int orders = 0;                 ///< number of model orders from the first one with this mode
+                                  ///< to the last one
   int chosen = -1;                ///< index of the chosen member, see `stabilise`
   [[nodiscard]] double share() const {
     return orders > 0 ? static_cast<double>(members.size()) / orders : 0.0;

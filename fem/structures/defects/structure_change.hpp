@@ -57,7 +57,7 @@ class ImpossibleChange : public std::invalid_argument {
 };
 
 /// Combines several softenings of the same strain into one softening, and several scalings of the
-/// same part into one scaling. The remaining fractions q are multiplied.
+/// same part into one scaling. The combined fraction q is the product of the fractions.
 void compound(StructureChange& change);
 
 /// Applies the changes to the discretisation. The modes of the result are the reference for the

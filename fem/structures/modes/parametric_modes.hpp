@@ -27,8 +27,8 @@ struct ParametricModesOptions {
   /// The requested components of mode shapes, as linear forms of the degrees of freedom.
   std::vector<SparseRow> motions = {};
   double tolerance = 1e-7;        ///< largest relative error of an eigenvalue
-  double shape_tolerance = 1e-3;  ///< largest sine of the angle between the computed and the true
-                                  ///< shape, in the energy norm
+  double shape_tolerance = 1e-3;  ///< largest sine of the angle between computed and true shape,
+                                  ///< in the energy norm
   int most_basis = 400;           ///< largest number of columns of the basis
   int complete = 60;              ///< up to this number of degrees of freedom, the basis is
                                   ///< complete

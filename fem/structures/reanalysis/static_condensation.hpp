@@ -40,8 +40,8 @@ class StaticCondensation {
   [[nodiscard]] int parts() const { return static_cast<int>(parts_.size()); }
 
   struct Local {
-    int part = -1;                                            ///< index of the part; -1: the load
-                                                              ///< acts only on the boundary
+    int part = -1;                                            ///< index of the part; -1: no part,
+                                                              ///< only the boundary
     std::vector<int> inside = {};                             ///< degrees of freedom of the part
     std::vector<int> edge = {};                               ///< indices into `boundary`
     Eigen::VectorXd load = {};                                ///< f_I

@@ -50,9 +50,9 @@ class BirthDeath : public Move {
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c follows from the table (InformedProposal). This residual is computed from
-/// the current state for the forward density, and from the proposed state for the reverse density.
-/// Each density therefore depends on one state only.
+/// The residual of the set without c follows from the table of effects (InformedProposal). This
+/// residual is computed from the current state for the forward density, and from the proposed state
+/// for the reverse density. Each density therefore depends on one state only.
 class Relocation : public Move {
  public:
   Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)
