@@ -49,7 +49,7 @@ void ar_innovations(std::span<const double> residuals,
 ///
 ///   N ln σ² ∏_{m<=p} (1 - π_m²) + p ln N,   π by Burg's method,
 ///
-/// and p is at most a quarter of the number of residuals.
+/// and p does not exceed a quarter of the number of residuals.
 [[nodiscard]] int autoregressive_order(std::span<const double> residuals, int most = 20);
 
 /// Result of a test for whiteness (Ljung & Box 1978). The statistic is Q = N (N + 2) Σ ρ_k² / (N -

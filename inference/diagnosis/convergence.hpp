@@ -25,7 +25,7 @@ struct ConvergenceLimits {
   double worth_knowing = 0.004;
   /// Number of expected effective draws above which a chain without draws is a fault (chance: e⁻¹⁰)
   double expected_visits = 10.0;
-  /// Smallest significant difference of two estimates, in standard errors (false-alarm rate 7e-6)
+  /// Smallest significant difference of two estimates, in standard errors (false-alarm rate: 7e-6)
   double sigmas = 4.5;
   double chance = 1e-6;  ///< false-alarm rate of the tests for disagreement between chains
   /// Two probabilities with a difference of at most this value never count as different

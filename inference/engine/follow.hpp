@@ -1,4 +1,4 @@
-// Tests whether regions that SMC sampled and the chains did not visit belong to the posterior.
+// Tests whether the posterior has mass in regions that SMC sampled and no chain visited.
 #pragma once
 
 #include <vector>

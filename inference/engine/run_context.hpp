@@ -39,7 +39,7 @@ inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an ev
   return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
 /// The number of SMC particles with which each of several models is explored. `brief` is the length
-/// of the run relative to a default run.
+/// of the run divided by that of a default run.
 [[nodiscard]] inline int annealing_particles(const Problem& problem, double brief, double models) {
   constexpr double kAll = 12000.0, kFewest = 400.0, kMost = 1200.0;
   if (problem.costly) return static_cast<int>(kFewest);

@@ -74,7 +74,7 @@ struct Tmcmc {
 ///
 /// - Bisection finds the β for which the coefficient of variation of the weights is 0.5. With the
 ///   value 1 of Ching & Chen, ln Z was two nats too low for a chain of masses with a stop, whose
-///   tempered posteriors change their orientation from stage to stage.
+///   tempered posteriors change their orientation between stages.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
 ///   fraction of prior draws with a positive likelihood. If draws with a positive likelihood are

@@ -126,7 +126,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
                   Annealing how, ModelExploration& found);
 
 /// Index of the posterior mode whose normal approximation, divided by its peak value, is the
-/// highest at z. With distances in standard deviations of each mode, it is the nearest mode. The
+/// highest at z. It is the nearest mode if distances are in standard deviations of each mode. The
 /// result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,

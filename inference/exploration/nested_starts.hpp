@@ -19,8 +19,8 @@ namespace wheeltap::inference {
 /// terms is nested in all subsets.
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 
-/// Starting points of local optimisations in `model`, computed from the best posterior modes of
-/// explored models nested in `model`, at most `most` of them. The nested models are ordered by the
+/// Starting points of local optimisations in `model`, computed from the best posterior modes of at
+/// most `most` explored models that are nested in `model`. The nested models are ordered by the
 /// number of missing parameters, then by descending evidence. Each model gives two starting points:
 /// with the missing parameters at the medians of their priors, and at the 7 % quantiles (z = -1.5).
 /// For a coefficient of either sign, the median means no effect; for a positive coefficient, the

@@ -24,7 +24,7 @@ class Surface {
   /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
   /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz.
-  /// Returns false if the likelihood does not provide both at z (Likelihood::gauss_newton).
+  /// Returns false if the likelihood has no such approximation at z (Likelihood::gauss_newton).
   bool gauss_newton(const Eigen::VectorXd& z, const Eigen::VectorXd& dz, Eigen::VectorXd& g,
                     Eigen::MatrixXd& information);
   void draw_prior(base::Random& random, Eigen::VectorXd& z);

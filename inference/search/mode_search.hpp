@@ -24,8 +24,8 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< number of optimisations; 0: kFewestClimbs to kMostClimbs, by `budget`
   /// Maximum number of likelihood evaluations; exact derivatives count like central differences.
-  /// Optimisations in progress are completed. Those after replacements of components may use a
-  /// further 10 % of the budget, or as many evaluations as before.
+  /// Optimisations in progress are completed. Optimisations after replacements of components may
+  /// use 10 % more, or as many evaluations as before.
   long budget = 100000;
   /// Factor in (0, 1] that reduces the work for a growing record. It multiplies the numbers of
   /// optimisations from prior draws, of tracked posterior modes, and of draws per mode.

@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 /// Finds a point near a posterior mode where ln π exceeds its value at the mode by more than
 /// `kAboveSummit`. A local search ends about a tenth of a standard deviation from the maximum, so
 /// the search may miss a narrower spike near the maximum. From the posterior mode, Newton's method
-/// with differences over 3e-5 standard deviations finds the maximum of
+/// with differences over 3e-5 standard deviations finds the two maxima of
 ///
 ///   ln π(z),   and   ln π(z) + |z|²/2  (maximum of the likelihood, if there is one),
 ///

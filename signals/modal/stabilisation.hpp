@@ -73,9 +73,9 @@ struct Stabilisation {
 /// their frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least the fraction
-/// `least_share` of the model orders, counted from the first with this cluster. A cluster is
-/// rejected as a splinter if a second cluster has the same frequency (within three standard
-/// deviations) and shape, more poles and less than half the uncertainty.
+/// `least_share` of the model orders from its first model order on. A cluster is rejected as a
+/// splinter if a second cluster has the same frequency (within three standard deviations) and
+/// shape, more poles and less than half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at

@@ -101,9 +101,9 @@ class ParametricModes {
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
   /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes with a relative
   /// eigenvalue spacing below 1e-6, the derivatives of shapes exclude the indeterminate rotation
-  /// within the subspace of these modes. If the full problem was solved, the derivatives are
-  /// computed in the basis. Returns false, without derivatives, if the matrices are not affine in
-  /// θ, or if the solution by the basis or by sparse matrices failed.
+  /// within the subspace of these modes. If the full problem was solved, the reduced basis is used
+  /// for the derivatives. Returns false, without derivatives, if the matrices are not affine in θ,
+  /// or if the solution by the basis or by sparse matrices failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
