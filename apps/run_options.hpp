@@ -19,8 +19,9 @@ using inference::RunCost;
 /// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Environment variable. If its value is "json" and standard error is not a terminal, progress is printed
-/// as JSON Lines: {"stage", "fraction", "detail", "seconds_left" if known, "models" if any}.
+/// Environment variable. If its value is "json" and standard error is not a terminal, progress is
+/// printed as JSON Lines: {"stage", "fraction", "detail", "seconds_left" if known, "models" if
+/// any}.
 inline constexpr const char* kProgressVariable = "WHEELTAP_PROGRESS";
 
 /// Options of every command that reads a case.

@@ -270,8 +270,9 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     validate_against_schema(found.file, "section");
     const SectionMaterial material = material_of(found.file);
     if (found.file.json.at("section").value("shape", "").empty())
-      found.file.refuse(Pointer("/section/shape"),
-                        "is missing: the properties of a section without a shape are given in the case");
+      found.file.refuse(
+          Pointer("/section/shape"),
+          "is missing: the properties of a section without a shape are given in the case");
     if (const auto odd =
             identification::implausible_material("the section", material.young, material.density))
       warn_of({*odd});

@@ -23,7 +23,8 @@ struct EmulatorSpec {
       /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
       /// also applies to all further damages.
       sites;
-  /// Levels of the reduction, ascending; space-filling design: lower and upper limit (empty: prior limits)
+  /// Levels of the reduction, ascending; space-filling design: lower and upper limit (empty: prior
+  /// limits)
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate over 1/(1-r) instead of the reduction r
   std::optional<double> accuracy;  ///< relative error of a frequency at which grid refinement ends
@@ -41,7 +42,8 @@ struct EmulatorSpec {
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
   int holdout = 1000;  ///< number of holdout FE runs that measure the error
 
-  /// Number of tables for 1 to `max_count` damages: one table per number; with ANOVA, at most two tables.
+  /// Number of tables for 1 to `max_count` damages: one table per number; with ANOVA, at most two
+  /// tables.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 

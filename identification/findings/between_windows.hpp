@@ -15,7 +15,8 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Predictive distribution of the estimate from a further window of equal length, which was not fitted.
+  /// Predictive distribution of the estimate from a further window of equal length, which was not
+  /// fitted.
   Interval next;
   /// Estimate of the parameter value that a fit of the whole record approaches as the record
   /// becomes longer. The mean is the best estimate from this record; the sd is its standard error,

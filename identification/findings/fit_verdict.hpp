@@ -19,11 +19,11 @@ struct Unexplained {
 };
 /// Reason for a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
 /// the stated noise (predictive p). In addition, the residual is not small: its RMS exceeds
-/// `kSmallResidual` times the RMS of the response, or three times the residual of a chain of masses
-/// with free cubic springs.
+/// `kSmallResidual` times the standard deviation of the response, or three times the residual of a
+/// chain of masses with free cubic springs.
 struct NotNoise {
   std::string channel;
-  double share;          ///< RMS of the residual divided by RMS of the response
+  double share;          ///< RMS of the residual divided by the standard deviation of the response
   double share_of_free;  ///< the same ratio with free cubic springs; NaN if not computed
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
@@ -32,7 +32,7 @@ struct NotNoise {
 /// within the window.
 struct WorseBeyond {
   std::string channel;
-  double inside, beyond;  ///< RMS of the residual divided by RMS of the response
+  double inside, beyond;  ///< RMS of the residual divided by the standard deviation of the response
   int samples;            ///< number of predicted samples after the window
 };
 /// Reason for a misfit: predicted and measured frequencies differ by more than the stated noise
@@ -58,8 +58,8 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 
 /// Significance level of posterior predictive and portmanteau tests. Smaller p reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Largest RMS of a small residual, divided by the RMS of the response. The text of the report
-/// mentions a small residual that is not noise; the heading does not.
+/// Largest RMS of a small residual, divided by the standard deviation of the response. The text of
+/// the report mentions a small residual that is not noise; the heading does not.
 inline constexpr double kSmallResidual = 0.05;
 /// Limit of a residual, relative to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;

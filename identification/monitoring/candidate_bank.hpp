@@ -38,8 +38,9 @@ class CandidateBank {
   /// `blocks` lists BaselineParameters::block() of the draws; δ has `prior_variance`, p x kSizes.
   CandidateBank(const std::vector<int>& blocks, const Eigen::MatrixXd& prior_variance);
 
-  /// Adds a candidate that has no rows yet, and returns its slot. `weight` holds the prior probabilities
-  /// of the hypotheses, (1 + p) x kSizes, and `draws` the prior probabilities of the draws.
+  /// Adds a candidate that has no rows yet, and returns its slot. `weight` holds the prior
+  /// probabilities of the hypotheses, (1 + p) x kSizes, and `draws` the prior probabilities of the
+  /// draws.
   int add(const Eigen::MatrixXd& weight, const Eigen::VectorXd& draws);
   void release(int slot);
   [[nodiscard]] ShiftPosterior posterior(int slot, int draw) const;

@@ -51,12 +51,13 @@ class CovariateScaling {
   /// the present entries, from the normal distribution with mean and covariance of the training
   /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// Scales a row of a time series. The rules for a single row apply. In addition, an entry counts as missing if two
-  /// conditions hold: it exceeds the range of the training period by more than a jump, and it differs by more
-  /// than a jump from the covariate's last reading and last used entry. A single wrong reading thus does
-  /// not determine the effect of weather outside the training period. A jump is kLargestJump
-  /// standard deviations, or twice the largest change between two rows of the training period. The
-  /// imputed variance is at least the squared difference between this entry and its imputed value.
+  /// Scales a row of a time series. The rules for a single row apply. In addition, an entry counts
+  /// as missing if two conditions hold: it exceeds the range of the training period by more than a
+  /// jump, and it differs by more than a jump from the covariate's last reading and last used
+  /// entry. A single wrong reading thus does not determine the effect of weather outside the
+  /// training period. A jump is kLargestJump standard deviations, or twice the largest change
+  /// between two rows of the training period. The imputed variance is at least the squared
+  /// difference between this entry and its imputed value.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }

@@ -13,7 +13,8 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// If set, this mean number of rows between false alarms replaces the rate of false alarms per year.
+  /// If set, this mean number of rows between false alarms replaces the rate of false alarms per
+  /// year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};
@@ -66,8 +67,9 @@ class Monitor {
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold that the model gives for the stated rate of false alarms. The next two functions
-  /// return ln of the threshold from the replay, and ln of the larger of both, which Monitor uses.
+  /// ln of the threshold that the model gives for the stated rate of false alarms. The next two
+  /// functions return ln of the threshold from the replay, and ln of the larger of both, which
+  /// Monitor uses.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {

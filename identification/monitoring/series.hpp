@@ -29,8 +29,9 @@ inline constexpr double kLargestRelativeVariance = 1e8;
 struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms; NaN: missing
-  /// Noise variances of this row divided by the usual noise variances (p entries); 1 if no sd is stated.
-  /// Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown sd.
+  /// Noise variances of this row divided by the usual noise variances (p entries); 1 if no sd is
+  /// stated. Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown
+  /// sd.
   Eigen::VectorXd relative_variance = {};
   Eigen::VectorXd covariates = {};  ///< values of the c covariates; NaN: missing
 };

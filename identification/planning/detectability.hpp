@@ -39,7 +39,8 @@ struct DetectabilityOptions {
                                                             const PreparedDesign& design,
                                                             const DetectabilityOptions& options);
 
-/// Two regions: a test cannot distinguish a location in one region from a location in the other region.
+/// Two regions: a test cannot distinguish a location in one region from a location in the other
+/// region.
 struct ConfusedRegions {
   struct Region {
     int kind = 0, stretch = 0;
@@ -65,10 +66,11 @@ struct Confusion {
 };
 
 /// Two locations are confused if the largest defect of the prior at one location gives mean data
-/// within `kDistance` standard errors of the mean data of a defect at the other location. If confused
-/// locations have equal priors, a test assigns at least Φ(-1) = 16 % of these defects to the other location.
-/// Confused locations give the resolution of a member if they are within `tolerance`, or connected
-/// by confused locations of this member. All other confused locations form regions.
+/// within `kDistance` standard errors of the mean data of a defect at the other location. If
+/// confused locations have equal priors, a test assigns at least Φ(-1) = 16 % of these defects to
+/// the other location. Confused locations give the resolution of a member if they are within
+/// `tolerance`, or connected by confused locations of this member. All other confused locations
+/// form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;

@@ -73,7 +73,8 @@ struct PlanFindings {
   /// Root mean square difference per datum, in standard errors, between the mean data for two
   /// simulated defects and those of NormalTest: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// The same median and quantile for unknown coefficients, whose effect the plan assumes to be linear.
+  /// The same median and quantile for unknown coefficients, whose effect the plan assumes to be
+  /// linear.
   double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< tests that are compared, if the case has costs
   std::optional<ValueFindings> value;

@@ -37,10 +37,11 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
 /// The response at the start of the window divided by its RMS: the largest ratio of all responses.
-/// Empty if the responses start at rest, or if the record is inconclusive. The ratio of a displacement
-/// or velocity is used if this ratio exceeds a tenth and the value at the start exceeds three standard
-/// errors. For an acceleration, the ratio is the RMS of the first quarter of a period divided by the
-/// total RMS. This ratio is used only if the window starts after the start of the record, without lead-in.
+/// Empty if the responses start at rest, or if the record is inconclusive. The ratio of a
+/// displacement or velocity is used if this ratio exceeds a tenth and the value at the start
+/// exceeds three standard errors. For an acceleration, the ratio is the RMS of the first quarter of
+/// a period divided by the total RMS. This ratio is used only if the window starts after the start
+/// of the record, without lead-in.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
 /// Makes the initial state of the model unknown, with normal priors about 0. The scale of the prior

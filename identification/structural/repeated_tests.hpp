@@ -53,7 +53,8 @@ struct RepeatedTests {
 
   /// Relative scatter of a single test: half the width of the central 68.3 % interval of ln f_j,
   /// i.e. √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, this
-  /// scatter equals the standard deviation. The lists hold the posterior mean and sd of this scatter.
+  /// scatter equals the standard deviation. The lists hold the posterior mean and sd of this
+  /// scatter.
   std::vector<double> scatter = {}, scatter_sd = {};
   Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlation matrix of Σ
 

@@ -14,8 +14,9 @@ namespace wheeltap::apps {
 
 class InputFiles {
  public:
-  /// Adds the fingerprint of a regular file, named `name` in the case, unless the list has it already. Missing files
-  /// and files of other types are ignored; the function that reads the file later reports the error.
+  /// Adds the fingerprint of a regular file, named `name` in the case, unless the list has it
+  /// already. Missing files and files of other types are ignored; the function that reads the file
+  /// later reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
   /// An empty list that shares the cache of computed fingerprints with this list.

@@ -9,8 +9,9 @@
 
 namespace wheeltap::identification {
 
-/// Path of all links between masses a and b together, at the scored samples. The common extension of
-/// these links is e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
+/// Path of all links between masses a and b together, at the scored samples. The common extension
+/// of these links is e = z_b - z_a. A positive tension T pulls mass a towards mass b
+/// (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
   std::vector<double> extension;  ///< extension e [m] in the simulated motion

@@ -45,9 +45,10 @@ struct ModelWindows {
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
-/// cannot be wider than this prior. As in Sedehi et al., the posterior of each window is replaced by
-/// its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
-/// this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
+/// cannot be wider than this prior. As in Sedehi et al., the posterior of each window is replaced
+/// by its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search
+/// for this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its
+/// marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///

@@ -54,9 +54,10 @@ struct RunOptions {
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user (`spec.csv`).
-/// If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the number of new
-/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
+/// (`spec.csv`). If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the
+/// number of new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's
+/// runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

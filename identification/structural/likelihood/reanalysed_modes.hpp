@@ -28,8 +28,9 @@ namespace wheeltap::identification {
 class ReanalysedModes {
  public:
   /// `modes` is the largest number of elastic modes, `beam` the beam that the nominal structure
-  /// represents (or null); `samples` holds parameter values of the model. Returns null if a reanalysis
-  /// cannot represent these parameters. Throws fem::InvalidStructure, std::invalid_argument.
+  /// represents (or null); `samples` holds parameter values of the model. Returns null if a
+  /// reanalysis cannot represent these parameters. Throws fem::InvalidStructure,
+  /// std::invalid_argument.
   [[nodiscard]] static std::shared_ptr<const ReanalysedModes> make(
       const std::shared_ptr<const StructureModel>& model, std::vector<DefectKind> kinds, int modes,
       const fem::Beam* beam, std::span<const std::vector<double>> samples);

@@ -13,10 +13,10 @@ namespace wheeltap::identification {
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
 /// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
-/// scaled to exactly 1. For Σ = σ² I the density is that of Watson with concentration |ψ|²/(2σ²) (Mardia
-/// & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
-/// (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the entry
-/// by which the shape was divided.
+/// scaled to exactly 1. For Σ = σ² I the density is that of Watson with concentration |ψ|²/(2σ²)
+/// (Mardia & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck
+/// & Au (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the
+/// entry by which the shape was divided.
 ///
 /// If another mode k has nearly the frequency of the computed mode j, the model error may rotate
 /// both in their common plane by an angle α ~ N(0, τ²) of period π (uniform for large τ). Then ψ =
@@ -31,9 +31,10 @@ namespace wheeltap::identification {
 /// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
 class ShapeDensity {
  public:
-  /// `values` is ψ, of any scale and sign. `covariance` is Σ (m × m) for ψ scaled to a largest entry of 1. Without
-  /// the row and column of an entry of zero variance, Σ must be positive definite. Throws std::invalid_argument for
-  /// fewer than 2 entries, non-finite numbers, a zero shape, and an invalid covariance.
+  /// `values` is ψ, of any scale and sign. `covariance` is Σ (m × m) for ψ scaled to a largest
+  /// entry of 1. Without the row and column of an entry of zero variance, Σ must be positive
+  /// definite. Throws std::invalid_argument for fewer than 2 entries, non-finite numbers, a zero
+  /// shape, and an invalid covariance.
   ShapeDensity(Eigen::VectorXd values, const Eigen::MatrixXd& covariance);
 
   struct Comparison {

@@ -27,7 +27,8 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation` is that of their coordinates z in a solution.
+/// Two parameters that the data cannot distinguish; `correlation` is that of their coordinates z in
+/// a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;

@@ -25,7 +25,8 @@ struct UpdateProblem : StructuralProblem {
     const auto* by = dynamic_cast<const BasisModel*>(model.get());
     return by == nullptr ? nullptr : &by->basis();
   }
-  /// The external program or server that computes the predictions; null if another model computes them.
+  /// The external program or server that computes the predictions; null if another model computes
+  /// them.
   [[nodiscard]] const OutsidePredictor* program() const {
     const auto* by = dynamic_cast<const OutsideModes*>(model.get());
     return by == nullptr ? nullptr : &by->predictor();

@@ -8,8 +8,8 @@
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i.
 //
-// The log likelihood must then be at most 2 below that of the two damages (half the 95 % quantile of
-// χ² with one degree of freedom).
+// The log likelihood must then be at most 2 below that of the two damages (half the 95 % quantile
+// of χ² with one degree of freedom).
 #pragma once
 
 #include <optional>
