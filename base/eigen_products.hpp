@@ -5,13 +5,13 @@
 // product. The compilation of the dozens of expression types took half of the build time. This
 // header makes Eigen pass products of real and complex matrices of any type to the functions
 // `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. These functions take
-// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
+// addresses, sizes and strides. The results equal those of Eigen, because eigen_products.cpp calls
 // Eigen's products for matrices with the same storage order.
 //
 // In a product of a real and a complex matrix, the real matrix is first converted to complex. An
 // infinite entry then gives NaN; in Eigen, it gives an infinite result.
 //
-// Products of small matrices of fixed size are not changed: Eigen compiles them in place.
+// Products of small matrices of fixed size are not changed: each source file compiles them.
 //
 // The names of the templates are those of Eigen 3.4. With another version of Eigen, or an
 // instruction set other than that of the library build, this header declares nothing, and each
@@ -118,8 +118,8 @@ struct Operand<Eigen::Transpose<Nested>> : Operand<std::remove_const_t<Nested>> 
   auto factor() const { return Base::factor().transposed(); }
 };
 
-// Calls `write` with the memory of the result or, if the result cannot be written in place, of a
-// temporary matrix.
+// Calls `write` with the memory of the result. If the result cannot be written in place, calls
+// `write` with the memory of a temporary matrix.
 template <class Result, class Write>
 void write_result(Result& result, bool add, bool strides_allowed, const Write& write) {
   using Scalar = typename Result::Scalar;

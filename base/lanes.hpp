@@ -55,7 +55,7 @@ template <class V>
   return x < 0.0 ? -y : y;
 }
 
-/// Computes xⁿ for x >= 0, lane by lane. The exponents 1 and 2 are fast.
+/// Computes xⁿ for x >= 0, lane by lane. The computation is fast for the exponents 1 and 2.
 template <class V>
 [[gnu::always_inline]] inline V power(V x, V n) {
   if constexpr (std::is_same_v<V, double>) {

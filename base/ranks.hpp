@@ -4,7 +4,7 @@
 // jobs (base::parallel_for with a Carriage). Then the ranks exchange the results of these jobs.
 // Each rank therefore always has the complete state and needs no other communication. Rank 0 writes
 // the files. A function of this header must distribute information that only one rank has (a clock,
-// a signal, a result file). Without this, the ranks might take different branches.
+// a signal, a result file). Otherwise, the ranks might take different branches.
 #pragma once
 
 #include <atomic>
@@ -48,10 +48,10 @@ class Ranks {
   /// Distributes the bytes of rank 0 to all ranks. On every rank, this function returns the bytes
   /// of rank 0.
   [[nodiscard]] virtual std::string from_first(std::string bytes) = 0;
-  /// Returns true if all ranks call this function with the same bytes.
+  /// Returns true if all ranks call this function with identical bytes.
   [[nodiscard]] virtual bool all_have(const std::string& bytes) = 0;
-  /// Waits until all ranks have called this function. Returns false if some rank has not called it
-  /// within `seconds`.
+  /// Waits until all ranks have called this function. Returns false if a rank has not called
+  /// this function within `seconds`.
   [[nodiscard]] virtual bool meet(double seconds) = 0;
   /// Terminates all ranks at once.
   [[noreturn]] virtual void abort(int exit_code) = 0;

@@ -17,8 +17,8 @@ struct ProgramStart {
   std::vector<std::string> words;          ///< arguments; the first is the program's name
   std::vector<std::string> environment{};  ///< "NAME=VALUE"; empty: the environment of this process
   std::string directory = ".";             ///< working directory
-  /// File descriptors of the program's standard input, output and error. This process should have
-  /// opened the descriptors with O_CLOEXEC.
+  /// File descriptors of the program's standard input, output and error. This process should open
+  /// these descriptors with O_CLOEXEC.
   int input, output, error;
 };
 

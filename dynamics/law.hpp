@@ -95,7 +95,7 @@ struct LawInfo {
 };
 
 /// Upper bounds of the slopes of a force law for |e| <= e_max, for the choice of the time step. A
-/// paced force law also sets the growth of the slopes with |ė|.
+/// force law with rates that grow with |ė| (LawInfo::paced) also sets the `…_per_speed` members.
 struct Slopes {
   double stiffness = 0.0;  ///< |∂T/∂e| [N/m]
   double damping = 0.0;    ///< |∂T/∂ė| at ė = 0, or an upper bound of |∂T/∂ė| [N s/m]

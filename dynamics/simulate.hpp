@@ -62,8 +62,8 @@ struct InitialState {
 
 enum class Integrator {
   /// Selects `runge_kutta` for a fixed number of substeps. For 0 substeps, selects `exact` or
-  /// `piecewise` if the chain allows it; else `series` if a force law switches, a link sticks and
-  /// slips, or prefer_series is set; else `runge_kutta`.
+  /// `piecewise` if the chain allows it. Otherwise, selects `series` if a force law switches, a
+  /// link sticks and slips, or prefer_series is set; in all other cases, `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.
@@ -96,15 +96,16 @@ struct SimulatorOptions {
   /// |ė| (LawInfo::paced), the steps are shorter at high velocities: the product of the rate and a
   /// time step is at most 1 and at most 5 step_limit. The number of these steps per sample is at
   /// most kMaxPacedSubsteps. If a parameter vector needs more steps, its simulation fails. For
-  /// `series` and `piecewise`, this option is the number of series expansions per sample; ω h and γ
-  /// h are at most 0.7 and 3.5 step_limit.
+  /// `series` and `piecewise`, this option is the number of series expansions per sample. A number
+  /// selected by the simulator limits ω h and γ h to the smaller of 0.7 and 3.5 step_limit.
   int substeps = 0;
   /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
   /// time step of this length multiplies a frequency ω by 1 - (ω h)⁴/120 and adds the numerical
   /// damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
-  /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
-  /// steps as the original simulator, whose step limit was `refinement` times as large.
+  /// Factor set by Simulator::refined. The step limit of the original simulator was `refinement`
+  /// times as large. The refined simulator makes at least `refinement` times as many steps as the
+  /// original simulator.
   int refinement = 1;
   /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws. If
   /// the list is empty, the extensions are 0.
@@ -190,7 +191,7 @@ class Misfit {
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
-  /// Returns the misfit to the same data for the refined simulator (Simulator::refined).
+  /// Returns a Misfit with the same data and the refined simulator (Simulator::refined).
   [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< number of residuals per channel
@@ -222,8 +223,9 @@ class Misfit {
   /// `out` undefined, if the trajectory fails.
   [[nodiscard]] bool residuals(std::span<const double> theta, std::span<double> out) const;
   /// Computes the residuals of `sets` parameter vectors, stored one after the other in `thetas` and
-  /// in `out`. For a failed trajectory, done[set] is 0, and the residuals of this vector in `out`
-  /// are undefined. Like sums_of_squares, this function integrates several vectors in SIMD lanes.
+  /// in `out`. If the trajectory of a parameter vector fails, done[set] is 0, and the residuals of
+  /// this vector in `out` are undefined. Like sums_of_squares, this function integrates several
+  /// vectors in SIMD lanes.
   void residuals(std::span<const double> thetas, int sets, std::span<double> out,
                  std::span<char> done) const;
   /// True if a residual depends on entry `parameter` of the parameter vector.

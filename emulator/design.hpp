@@ -47,7 +47,8 @@ struct Factor {
 
 /// Checks the factors of a design. At least one factor must be given; names must be unique and not
 /// empty. Every factor must have at least `least_levels` finite, strictly increasing levels for
-/// which its scale is defined. If not, throws std::invalid_argument, naming the factor.
+/// which its scale is defined. Throws std::invalid_argument, naming the factor, if a condition is
+/// not met.
 void check_factors(const std::vector<Factor>& factors, std::size_t least_levels = 2);
 
 /// True if x has one value per factor, and each value is within the range of its factor (false for

@@ -37,12 +37,12 @@ struct RefinedGrid {
 /// levels at its midpoint (in the factor's scale, or at the nearest candidate), with random levels
 /// of the other factors. The midpoint becomes a level if the error of the interpolant exceeds 1/d
 /// of the tolerance: to first order, the errors of the d factors add up. If no interval fails, the
-/// errors at random points of the box are checked. After each failure of this check, the fraction
-/// 1/d of the tolerance is halved, and the refinement continues. The model is run only once per
-/// point. The refinement ends with `reached` = false if the grid would exceed `most_runs` or if no
-/// candidate levels remain. Throws the exceptions of `run_experiment` and of the training of the
-/// interpolant, and std::invalid_argument for options of inconsistent sizes, a tolerance or count
-/// that is not positive, or candidates that do not increase.
+/// errors at random points of the box are checked. If this check fails, the fraction 1/d of the
+/// tolerance is halved, and the refinement continues. The model is run only once per point. The
+/// refinement ends with `reached` = false if the grid would exceed `most_runs` or if no candidate
+/// levels remain. Throws the exceptions of `run_experiment` and of the training of the interpolant,
+/// and std::invalid_argument for options of inconsistent sizes, a tolerance or count that is not
+/// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,
                                       const RefinementOptions& options);

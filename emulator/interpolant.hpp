@@ -68,7 +68,7 @@ struct InterpolantType {
   Runs runs = Runs::grid;  ///< accepted layout; types for scattered points also accept a grid
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
   /// True if the domain is the convex hull of the runs instead of the whole box of the factors. For
-  /// these types, the corners of the box are added to designs.
+  /// these types, a design of experiments also contains the corners of this box.
   bool within_hull = false;
   bool slow = false;          ///< an evaluation takes hundreds of microseconds instead of a few
   bool has_variance = false;  ///< the interpolant computes the variance of its error

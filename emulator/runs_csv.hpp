@@ -37,9 +37,9 @@ struct ResponseColumns {
 /// Throws FileError (corrupt), with line and column, for a cell that is not a finite number, a row
 /// with too few cells, a duplicate name and an unknown factor. Also throws FileError (corrupt) for
 /// a response without a number, with a name that differs from that of other responses, or with a
-/// unit that cannot be converted, and for response numbers other than 1, 2, …, n. Also throws
-/// FileError (corrupt) for a value outside the range of its factor, a duplicate point, or a file
-/// without runs.
+/// unit that cannot be converted. The response numbers must be 1, 2, …, n. Also throws FileError
+/// (corrupt) for a value outside the range of its factor, a duplicate point, or a file without
+/// runs.
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const ResponseColumns& responses);
 
@@ -47,8 +47,8 @@ struct ResponseColumns {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const ResponseColumns& responses);
 
-/// Converts runs at scattered points to a grid if the points are all combinations of the factors'
-/// values, each of them once. For any other points, returns std::nullopt.
+/// Converts runs at scattered points to a grid if the points contain each combination of the
+/// factors' values exactly once. For any other points, returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

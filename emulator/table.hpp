@@ -43,12 +43,13 @@ struct TableFile {
   std::map<std::string, Table> tables;
 };
 
-/// Merges the parts (shards) of a design that several machines have computed. The result contains
-/// the runs of all shards. Hold-out errors, parameters and attributes of tables are kept only if
-/// they are equal in all shards. Runs at scattered points are concatenated without duplicates.
-/// Throws std::invalid_argument for an empty list of shards. Throws std::invalid_argument if the
-/// attributes "case" or "fingerprint", the tables, the factors or the responses of the shards
-/// differ. Throws std::invalid_argument if two shards have different values for the same run.
+/// Merges the parts (shards) of a design whose runs were made on several machines. The result
+/// contains the runs of all shards. Hold-out errors, parameters and attributes of tables are kept
+/// only if they are equal in all shards. Runs at scattered points are concatenated without
+/// duplicates. Throws std::invalid_argument for an empty list of shards. Throws
+/// std::invalid_argument if the attributes "case" or "fingerprint", the tables, the factors or the
+/// responses of the shards differ. Throws std::invalid_argument if two shards have different values
+/// for the same run.
 [[nodiscard]] TableFile merge(std::span<const TableFile> shards);
 
 }  // namespace wheeltap::emulator

@@ -43,14 +43,14 @@ struct Options {
   };
   Moves moves{};
 
-  /// True: parallel tempering also for the draws, with the temperature ladder from warm-up. If
+  /// True: the draws also use parallel tempering, with the temperature ladder from warm-up. If
   /// `draws` is 0, the engine enables tempering when the chains disagree without tempering.
   bool tempered_draws = false;
 
-  /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed fraction of the run's likelihood evaluations. If the basin of
-  /// a posterior mode has the prior probability p, all n local optimisations miss the mode with
-  /// probability (1 - p)^n; see `Verdict::resolution`.
+  /// Number of local optimisations in each model, each from a draw of its prior. If 0, the engine
+  /// chooses the number such that the optimisations use a fixed fraction of the run's likelihood
+  /// evaluations. If the basin of a posterior mode has the prior probability p, all n local
+  /// optimisations miss the mode with probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
   /// Sample with model weights that make all models about equally probable, and reweight the draws
@@ -76,8 +76,8 @@ struct Options {
     std::vector<double> model_probabilities;  ///< current model probabilities; empty during warm-up
   };
   /// Callback, called from one thread at a time, a few times per second. If the callback returns
-  /// false, the run stops early and keeps its draws. If the run has no draws yet, the result has
-  /// draws based on the mode searches.
+  /// false, the run stops early and keeps its draws. If each chain has fewer than 100 draws, the
+  /// result has approximate draws from the mode searches instead (salvage.hpp).
   std::function<bool(const Progress&)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. The callback returns true
   /// if the run should stop, and must return true in all later calls. With an expensive likelihood,
@@ -95,12 +95,12 @@ struct Options {
     /// those of the saved run.
     std::shared_ptr<const Checkpoint> from = nullptr;
 
-    // Saving many draws repeatedly takes time and memory. The following callbacks save parts of a
-    // chain's draws (`part` draws each) once and separately; the checkpoints passed to `save` omit
-    // these draws. Keep a saved part until `save` has received a checkpoint that begins with a
-    // later part (inference::parts_of).
-    /// Saves the part of the draws with index `number`. Returns false if saving failed and the
-    /// engine should try again later.
+    // Saving many draws repeatedly takes time and memory. The following callbacks therefore save
+    // the draws of a chain in parts of `part` draws, each part once. The checkpoints passed to
+    // `save` omit the draws in saved parts. Keep a saved part until `save` has received a
+    // checkpoint that begins with a later part (inference::parts_of).
+    /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
+    /// again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
     /// Loads a saved part of the draws, for a run resumed with `from`
     std::function<Checkpoint(long number)> saved_draws = nullptr;

@@ -8,8 +8,8 @@
 
 namespace wheeltap::io {
 
-/// A position in a file. Line and column numbers start at 1, row numbers at 0. Members that are not
-/// known are 0, negative or an empty string.
+/// A position in a file. Line and column numbers start at 1, row numbers at 0. Unknown members are
+/// 0, negative or an empty string.
 struct Place {
   std::ptrdiff_t line = 0;
   std::ptrdiff_t sample = -1;  ///< row number in a file without lines
@@ -33,7 +33,7 @@ class FileError : public std::runtime_error {
  public:
   enum class Kind {
     missing,     ///< the file does not exist or cannot be read
-    corrupt,     ///< truncated, damaged, or inconsistent
+    corrupt,     ///< truncated, invalid, or inconsistent
     foreign,     ///< file of another program or another format
     version,     ///< format of another version of this program
     mismatch,    ///< file of another case: the fingerprints differ

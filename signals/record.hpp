@@ -56,7 +56,7 @@ struct Sampling {
   Basis basis = Basis::stated;
   std::string unit = {};  ///< unit of the column's numbers
   /// Largest relative difference between a time step and the mean time step, minus the difference
-  /// that rounding of the printed times explains; 0 for less than 0.1 %.
+  /// due to the rounding of the printed times. The value is 0 if the result is below 0.1 %.
   double jitter = 0.0;
   /// True if the time column has no unit and the times are whole numbers in steps of two or more.
   /// The unit could then be milliseconds instead of seconds.

@@ -79,9 +79,10 @@ void detrend(std::span<double> x, int degree);
                                            int factor);
 
 /// Returns every `factor`-th sample of x, from the first sample on, after a zero-phase low-pass
-/// filter. Below 0.4 of the new rate, the relative change of amplitudes is at most 1e-4. Components
-/// above 0.5 of the new rate would alias; the filter multiplies their amplitude by 1e-4. The record
-/// is continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
+/// filter. Below 0.4 times the new sampling rate, the relative change of the amplitudes is at most
+/// 1e-4. Components above 0.5 times the new sampling rate would alias; the filter multiplies their
+/// amplitude by 1e-4. The record is continued beyond its ends by odd reflection. Throws
+/// std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
 /// A point of a plotted spectrum.
@@ -91,13 +92,14 @@ struct SpectralLevel {
 
 /// Computes the sum of the normalised spectral densities of all channels in dB, within [lowest_hz,
 /// highest_hz]. The density of each channel is normalised by the variance of the channel. Spectral
-/// lines with a sum of 0 are omitted. `records` has one channel per row.
+/// lines at which the sum is 0 before the conversion to dB are omitted. `records` has one channel
+/// per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
     double highest_hz);
 
-/// Reduces a spectrum to at most `most` spectral lines. Each group of neighbouring lines is reduced
-/// to its highest line.
+/// Reduces a spectrum to at most `most` spectral lines. Each group of neighbouring lines is
+/// replaced by its highest line.
 [[nodiscard]] std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
                                                        std::size_t most);
 

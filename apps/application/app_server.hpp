@@ -16,7 +16,7 @@ struct StarterCase {
   std::string kind, structure;
 };
 
-/// The functions of the program that the server calls.
+/// The data and functions of the program that the server uses.
 struct AppProgram {
   std::vector<std::string> kinds = {};  ///< kinds of cases
   std::vector<StarterCase> starters = {};

@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the truth of the case instead of measured. If the case gives no
+/// Modes simulated from the `truth` of the case, in place of measured modes. If the case gives no
 /// standard deviations, those of the simulated modes are used.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;

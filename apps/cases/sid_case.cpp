@@ -380,7 +380,7 @@ class Parser {
       return law.kind == term.law.kind && law.side == term.law.side;
     };
     if (std::ranges::any_of(link.laws, twin)) {
-      file_.refuse(where, "the link of the model has this law already");
+      file_.refuse(where, "the link of the model already has this force law");
     }
     return term;
   }

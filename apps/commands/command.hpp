@@ -42,8 +42,8 @@ struct Command {
   MakeCaseRun make_run = {};
   /// For kinds without `make_run`: checks a case and reads its data, without a run. Throws Failure.
   std::function<void(CaseFile)> check = {};
-  /// Adds arguments and options to the command. The options set members of the Invocation, or a
-  /// value that `run` also uses.
+  /// Adds arguments and options to the command. Each option sets a member of the Invocation, or a
+  /// variable that `run` reads.
   std::function<void(CommandOptions&)> add_options = {};
   /// Runs the command. Throws Failure, io::FileError.
   std::function<void(const Invocation&)> run = {};

@@ -272,7 +272,7 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     if (found.file.json.at("section").value("shape", "").empty())
       found.file.refuse(
           Pointer("/section/shape"),
-          "is missing: the properties of a section without a shape are given in the case");
+          "is missing: without a shape, the case must already contain the properties");
     if (const auto odd =
             identification::implausible_material("the section", material.young, material.density))
       warn_of({*odd});

@@ -27,8 +27,8 @@ struct ConnectionBounds {
 };
 
 /// A server that gives each connection a thread and a deadline, and limits the number of
-/// connections. The server of httplib has no limits per connection: a connection occupies a thread
-/// of its pool as long as single bytes arrive, and request bodies of unknown length may have any
+/// connections. The server of httplib has no limits per connection. A connection occupies a thread
+/// of the thread pool as long as single bytes arrive. A request body of unknown length may have any
 /// size. The caller must limit the work that a request causes.
 class BoundedServer : public httplib::Server {
  public:

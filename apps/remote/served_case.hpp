@@ -23,9 +23,9 @@ namespace wheeltap::apps {
 /// of 0 means no defect. The location is given as in posterior.nc. On a beam, the location is the
 /// coordinate [m]. On other structures, the location is the member (index from 0) and the distance
 /// [m] from its first node, or the index of a node, link or substructure. "forward" predicts with
-/// the emulator if the likelihood uses the emulator. Each model NAME also has "log_likelihood NAME"
-/// and "posterior NAME", with the same inputs for the number of defects of the model. Throws
-/// std::invalid_argument if a kind of defect has no severity.
+/// the emulator if the likelihood uses the emulator. For each model NAME, there are also
+/// "log_likelihood NAME" and "posterior NAME". Their inputs are the same, but only for as many
+/// defects as the model has. Throws std::invalid_argument if a kind of defect has no severity.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
 

@@ -37,7 +37,7 @@ class Plot {
  public:
   Plot(double x0, double x1, double y0, double y1, double height = 200.0);
 
-  /// Position of a value on the drawing.
+  /// The x or y coordinate of a value on the drawing.
   [[nodiscard]] double x(double value) const;
   [[nodiscard]] double y(double value) const;
   /// Returns axes with labels around `inside` (SVG).

@@ -42,7 +42,7 @@ class CaseRun {
   /// Prints the results of the preparation.
   virtual void print_preparation() const {}
   /// Samples the posterior and diagnoses convergence. Returns std::nullopt on ranks other than the
-  /// first. Passes on every exception that `watch` throws.
+  /// first. Propagates every exception that `watch` throws.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
   /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.

@@ -19,7 +19,8 @@ namespace wheeltap::apps {
 [[nodiscard]] inference::Options engine_options(const CommonOptions& common,
                                                 const SamplingOptions& options);
 
-/// Returns the sampling options as JSON. A summary stores this JSON, and `--resume` compares it.
+/// Returns the sampling options as JSON. A summary stores this JSON, and `--resume` compares it
+/// with the options of the new run.
 [[nodiscard]] Report options_report(const SamplingOptions& options);
 
 /// Writes posterior.nc. Throws io::FileError.

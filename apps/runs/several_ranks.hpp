@@ -42,8 +42,8 @@ void require_same_on_all_ranks(const std::string& what, const std::string& text)
 /// results of library functions may then differ in the last bit.
 void require_equal_processors();
 
-/// Calls f on rank 0 only and returns its result on all ranks. If f throws, the other ranks throw
-/// FailedOnFirstRank.
+/// Calls f on rank 0 only and returns its result on all ranks. If f throws on rank 0, the other
+/// ranks throw FailedOnFirstRank.
 template <class F>
 [[nodiscard]] std::optional<std::string> first_rank_says(F&& f) {
   base::Ranks* all = base::ranks();

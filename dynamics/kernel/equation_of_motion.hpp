@@ -10,7 +10,7 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring active
+/// Calls visit(i, link, stiffness, threshold, side) for every force law that acts as a spring
 /// beyond a threshold; i = 0, 1, … is the index among these laws.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {

@@ -91,8 +91,9 @@ class Friction {
     }
   }
 
-  /// Determines the stick-slip states for the velocities `v` and the accelerations `free` without
-  /// friction. A link with ė = 0 sticks if |T| < F is possible.
+  /// Determines the stick-slip states from the velocities `v` and from the accelerations `free`,
+  /// which do not include friction. A link with ė = 0 sticks if a tension |T| < F can keep it at
+  /// rest.
   void start(V* v, const V* free) {
     V at_rest[kMaxFrictions] = {};
     for (int f = 0; f < size_; ++f) {
@@ -147,8 +148,8 @@ class Friction {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a slipping link, and for a sticking link whose rate of extension follows from the
-      // rates of extension of other links.
+      // `usable` is 0 for a slipping link, and for a sticking link whose extension rate follows
+      // from the extension rates of other links.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
       reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};

@@ -141,8 +141,8 @@ class Piecewise : private Exact<N> {
     series_.start(y);
   }
 
-  /// Advances the state by one sample, by series in the lanes of `switched`. Returns true if the
-  /// regime of any lane has changed at the end of the step.
+  /// Advances the state by one sample; the lanes of `switched` use Taylor series. Returns true if
+  /// the regime of any lane has changed at the end of the step.
   [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
     const int m = this->masses(), laws = task().laws;
     V y[M], v[M], now[M], then[M], before[kMaxThresholds];

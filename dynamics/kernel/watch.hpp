@@ -82,7 +82,7 @@ class Watch {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
   /// Marks the lanes of `stopped`, which need more time steps than allowed, as failed. In the lanes
-  /// of `fast`, even arbitrarily short time steps would fail.
+  /// of `fast`, the motion is so fast that shorter time steps would not help.
   WHEELTAP_INLINE void out_of_steps(V stopped, V fast) {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);

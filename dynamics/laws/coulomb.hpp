@@ -24,7 +24,7 @@ struct Coulomb {
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
-          "If a number or a name replaces the object, it is the force F of the exact law. In "
+          "A number or a name in place of the object is the force F of the exact law. In "
           "stick, the tension takes the value between -F and F that keeps ė = 0. Wheeltap "
           "computes the time of each change between stick and slip. A `velocity` v regularises "
           "the law. For |ė| < v, the law is then nearly a damper F/v, so that the link creeps "
@@ -46,7 +46,7 @@ struct Coulomb {
                          .example = 0.01}}}};
   static constexpr int kCreep = 1;
 
-  /// The tension in slip, 0 at rest.
+  /// The tension during slip; 0 at rest.
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {
     const V creep = c[0] * base::lanes::tanh(rate / c[1]);

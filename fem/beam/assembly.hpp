@@ -22,9 +22,9 @@ struct MotionRow {
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// Computes the coefficients of w(x) or θ(x) from the element's shape functions; exact at nodes. A
-/// location within 1e-9 L of a node counts as this node. Throws std::invalid_argument if x is
-/// outside the beam.
+/// Computes the coefficients of w(x) or θ(x) from the element's shape functions. The result is
+/// exact at nodes. A location within 1e-9 L of a node counts as this node. Throws
+/// std::invalid_argument if x is outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);

@@ -16,8 +16,8 @@ namespace wheeltap::fem {
 ///
 /// summed over the elastic modes j with the strains c_j. This sum suffers from cancellation; the
 /// computation of Q does not. An accurate Q is necessary if a damage leaves almost no stiffness.
-/// This function returns only the rows of Q for the elements, 2 elements × (number of
-/// self-stresses), in the order of `FullSpectrum::strains`. The self-stresses are computed from
+/// This function returns only the rows of Q for the elements: two rows per element, in the order of
+/// `FullSpectrum::strains`, and one column per self-stress. The self-stresses are computed from
 /// equilibrium along the beam, in long double.
 [[nodiscard]] Eigen::MatrixXd self_stresses(const Beam& beam);
 

@@ -11,9 +11,9 @@
 
 namespace wheeltap::fem {
 
-/// Computes the rigid-body modes that the supports do not prevent, mass-normalised, one per column.
-/// The modes follow exactly from the geometry; the null space of the rounded matrix K is not used.
-/// Each row is a degree of freedom of the mesh.
+/// Computes the rigid-body modes that the supports allow, mass-normalised, one per column.
+/// The modes are computed exactly from the geometry, and not as the null space of the rounded
+/// matrix K. Each row is a degree of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 

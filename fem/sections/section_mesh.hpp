@@ -23,9 +23,9 @@ struct SectionMeshOptions {
 /// that are powers of two, so that the refinement terminates.
 ///
 /// Checks the outline with `checked` first. Throws std::invalid_argument in the same cases as
-/// `checked`, for options out of range, a section of several unconnected parts, a region that is
-/// negligibly small compared with the others, and an outline whose mesh would have more than
-/// `most_points` points.
+/// `checked`. Also throws std::invalid_argument for options out of range, a section of several
+/// unconnected parts, a region that is negligibly small compared with the others, and an outline
+/// whose mesh would have more than `most_points` points.
 [[nodiscard]] TriangleMesh section_mesh(const Outline& outline,
                                         const SectionMeshOptions& options = {});
 

@@ -55,8 +55,8 @@ struct Discretisation {
   Eigen::MatrixXd rigid_motions;   ///< n × r: any basis of the strain-free displacements
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
-  /// Selects degrees of freedom whose restraint prevents all rigid-body motions. Their number
-  /// equals the number of rigid-body motions.
+  /// Selects degrees of freedom whose restraint prevents all rigid-body motions: as many degrees of
+  /// freedom as there are independent rigid-body motions.
   [[nodiscard]] std::vector<char> holding_dofs() const;
   /// Computes K u from the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;

@@ -30,7 +30,7 @@ struct MatrixStructure {
 /// semidefinite (rounding of the entries to six digits is tolerated).
 void validate(const MatrixStructure& structure);
 
-/// Discretises the structure: K_rest is K, and its parts are the summands of K. This function does
+/// Discretises the structure: K_rest is K, and `parts` holds the summands of K. This function does
 /// not search for rigid-body motions; `structure_modes` reports a structure that can move without
 /// resistance as a mechanism. Throws the exceptions of `validate`, but checks only the diagonal and
 /// the 2 × 2 principal minors of M.

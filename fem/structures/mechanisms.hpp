@@ -21,9 +21,9 @@ namespace wheeltap::fem {
 /// 0. The list is empty if K resists all motions except rigid-body motions.
 [[nodiscard]] std::vector<Eigen::VectorXd> mechanisms(const Discretisation& d);
 
-/// Returns the largest ratio of `energy` to `uncancelled_energy` at which a motion counts as
-/// strain-free. The limit is larger if K is given as a matrix, because the entries of this matrix
-/// have rounding errors.
+/// Returns the limit for strain-free motions: a motion is strain-free if the ratio of `energy` to
+/// `uncancelled_energy` is at most this limit. The limit is larger if K is given as a matrix,
+/// because the entries of this matrix have rounding errors.
 [[nodiscard]] double no_strain(const Discretisation& d);
 
 /// Names the degrees of freedom with the largest displacement: "n2, y", "B, x and C, x".

@@ -67,7 +67,8 @@ class Mesh {
   /// Returns the displacement along (or the rotation about) a global axis at a point of a member,
   /// computed with the shape functions of the element.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// Returns the displacement along (or the rotation about) any unit vector at a point of a member.
+  /// Returns the displacement of a point of a member along any unit vector, or its rotation about
+  /// this vector.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
   /// Returns the x, y, z axes of a member in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {

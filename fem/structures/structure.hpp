@@ -149,8 +149,8 @@ struct MemberFrame {
   std::array<Vector3, 3> axes;
   double length;
 };
-/// Computes the axes of a member. Throws InvalidStructure for a member without length, or with `up`
-/// parallel to the member.
+/// Computes the local axes of a member. Throws InvalidStructure for a member without length, or
+/// with `up` parallel to the member.
 [[nodiscard]] MemberFrame member_frame(const Structure& structure, int member);
 
 /// Returns the boundaries of a member's elements, as distances from the first end of the member

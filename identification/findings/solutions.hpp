@@ -4,13 +4,13 @@
 // Distances are computed in the coordinates in which the prior is standard normal, scaled by the
 // covariance of the draws about their nearest posterior mode. A search finds the posterior modes;
 // each draw belongs to the mode nearest to it. Two posterior modes are one solution if the smallest
-// distance between their draws is at most 3 q, with
+// distance between their draws is at most 3 q. Here,
 //
 //   q = the 95 % quantile of the distance from a draw to the nearest other draw of its mode.
 //
-// The larger q of the two posterior modes applies. In one dimension, the density between
-// separate solutions is then below about a thirtieth of its peak value. A curved or rough ridge is
-// one solution.
+// If q differs between the two posterior modes, the larger q is used. In one dimension, the
+// density between separate solutions is then below about a thirtieth of its peak value. A ridge of
+// the density is one solution, even if the ridge is curved or rough.
 #pragma once
 
 #include <vector>

@@ -81,10 +81,10 @@ class BaselineFilter {
   /// Updates the state with an entry of innovation v; its variance s includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
-  /// Replaces the drifts by their stationary distributions, independent of the coefficients.
+  /// Gives the drifts their stationary distribution, without correlation with the coefficients.
   void reset_drift(const BaselineParameters& parameters);
 
-  /// Additional noise variance of a feature due to imputed covariates.
+  /// Returns the variance that imputed covariates add to the noise variance of a feature.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
 
   Eigen::VectorXd x;

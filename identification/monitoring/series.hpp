@@ -59,8 +59,8 @@ inline constexpr int kFewestLearningRows = 20;
 /// constant covariate as a warning only, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i. The noise variances of the row are divided by the squares of `usual_sds`: medians in the
-/// training period, or empty.
+/// Returns row i, with the noise variances divided by the squares of the medians `usual_sds`. If
+/// `usual_sds` is empty, all relative variances are 1.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
 /// Median time step between consecutive rows.

@@ -38,7 +38,7 @@ struct PlanOptions {
   std::function<void(const char* stage, double fraction)> progress = {};
 };
 
-/// A test design with its scores.
+/// A test design with its estimated performance.
 struct ScoredDesign {
   std::string name;  ///< criterion or variation: "effective independence", "9 modes"
   TestDesign design = {};
@@ -66,15 +66,15 @@ struct PlanFindings {
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
   /// Probabilities of detection at each location, for the best design
   std::vector<PlaceDetection> places;
-  /// Confused locations and their separation: for the best design and, with suffix `alone`, for a
-  /// test that measures frequencies only
+  /// Locations that the test cannot distinguish, and changes of the test that distinguish them. For
+  /// the best design; with suffix `alone`: for a test that measures frequencies only
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
-  /// Root mean square difference per datum, in standard errors, between the mean data for two
-  /// simulated defects and those of NormalTest: median and 90 % quantile.
+  /// Root mean square error per datum, in standard errors, of the mean data that NormalTest assumes
+  /// for two simulated defects: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// The same median and quantile for unknown coefficients, whose effect the plan assumes to be
-  /// linear.
+  /// Root mean square difference per datum, in standard errors, between the effect of the unknown
+  /// coefficients and its linear approximation: median and 90 % quantile.
   double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< tests that are compared, if the case has costs
   std::optional<ValueFindings> value;
@@ -110,8 +110,8 @@ class PlanModel {
   ScenarioSource source_;
 };
 
-/// Estimates the processor time of make_plan [s] from measured times of one PlanModel and some
-/// simulated tests. Throws InvalidInput as PlanModel does.
+/// Estimates the processor time of make_plan [s] from the measured times of the construction of one
+/// PlanModel and of some simulated tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
 /// Chooses sensors for the case, from fewer locations and severities than PlanModel uses.

@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 /// Reports three faults. First check: the RMS of a response differs by a factor of more than 30
 /// from its RMS in every prior draw of every model. Second check: the stated noise exceeds the RMS
 /// of its response. Third check: the prior of a parameter excludes the true value of a simulated
-/// record. The function uses at most the first 2000 scored samples of a record.
+/// record. Only the first 2000 samples in the likelihood of a record are used.
 [[nodiscard]] std::vector<Remark> implausible(const SidProblem& problem);
 
 }  // namespace wheeltap::identification

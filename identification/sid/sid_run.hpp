@@ -31,7 +31,7 @@ struct SidRunOptions {
   std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Callback before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
-  /// Integration settings, for a resumed run that was stopped during a repetition.
+  /// Integration settings for resuming a run that was stopped during a repetition.
   std::optional<StepsRefined> refined = {};
 };
 
@@ -62,8 +62,8 @@ struct SidRun {
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
 /// the chain allow this. For all other force laws, the steps are shorter, because the error is
-/// proportional to the fourth power of the step. The function tests the settings on the best draws
-/// and refines them again if the error is still too large, for example for chaotic motion.
+/// proportional to the fourth power of the step. The function tests the settings on the best draws.
+/// If the error is still too large, for example for chaotic motion, the settings are refined again.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 

@@ -91,15 +91,16 @@ struct PilotOptions {
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// Log weights that make the chains visit all models with a probability of `least` or more about
+/// Log weights with which the chains visit all models whose probability is at least `least` about
 /// equally often. Less probable models get the weight of a model with the probability `least`.
 /// Every model then has enough samples to fit its proposal.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// Regions that the MCMC steps are designed to reach. `fitted`: mostly regions covered by the
-/// fitted proposals. `tuning`: also other regions, while proposals are being fitted. `beyond`: also
-/// regions that the fitted proposals cannot cover (e.g. heavy tails), by additional slice sampling.
+/// Regions of the posterior for which the MCMC steps are designed. `fitted`: mostly the regions
+/// that the fitted proposals cover. `tuning` (while proposals are being fitted): also other
+/// regions. `beyond`: also regions that the fitted proposals cannot cover (e.g. heavy tails), by
+/// additional slice sampling.
 enum class Reach { fitted, tuning, beyond };
 
 /// All kernels, including those with pilot proposals.

@@ -52,7 +52,8 @@ class TemperedChain {
   /// Creates the kernels of one rung.
   using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
 
-  /// Continues a chain from the state of `ladder`. If the ladder has no states, call start() first.
+  /// Creates a chain that continues from the states of `ladder`. If the ladder has no states, call
+  /// start() before the first iteration.
   TemperedChain(Target& target, Ladder ladder, KernelFactory kernels, std::uint64_t seed,
                 int chain);
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,

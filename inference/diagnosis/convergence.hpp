@@ -14,8 +14,8 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
   double ess_within = 20.0;  ///< required effective sample size of parameters, even if P is small
-  /// For parameters: lower limit of the tail effective sample size, divided by the limit of the
-  /// bulk effective sample size.
+  /// For parameters: ratio of the lower limit of the tail effective sample size to that of the bulk
+  /// effective sample size.
   double ess_tail_share = 0.5;
   /// If R-hat exceeds this limit, the chains are in different regions or disagree on the
   /// probabilities of posterior modes.
@@ -23,12 +23,13 @@ struct ConvergenceLimits {
   double known = 0.001;  ///< negligible error of a model probability
   /// Largest error of a model probability at which the run may stop
   double worth_knowing = 0.004;
-  /// Number of expected effective draws above which a chain without draws is a fault (chance: e⁻¹⁰)
+  /// Expected number of effective draws above which a chain without draws is a fault (false-alarm
+  /// rate: e⁻¹⁰)
   double expected_visits = 10.0;
   /// Smallest significant difference of two estimates, in standard errors (false-alarm rate: 7e-6)
   double sigmas = 4.5;
   double chance = 1e-6;  ///< false-alarm rate of the tests for disagreement between chains
-  /// Two probabilities with a difference of at most this value never count as different
+  /// Largest difference of two probabilities that is always negligible
   double slack_probability = 0.005;
   double slack_nats = 0.5;
   double probable_model = 0.05;
@@ -40,10 +41,10 @@ struct ConvergenceLimits {
   double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
   /// density to mixture density is above `beyond_mixture`. If the fraction of draws outside exceeds
-  /// `beyond_share`, at least `beyond_visits` effective visits to the region outside are required;
-  /// the fraction then has a relative error of 0.1.
+  /// `beyond_share`, the effective number of visits to the region outside must be at least
+  /// `beyond_visits`. The relative error of the fraction is then 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
-  /// `annealed_share` limits an excess (annealed_excess): the fraction of SMC draws outside the
+  /// `annealed_share` is the limit of annealed_excess: the fraction of SMC draws outside the
   /// mixture minus the fraction of chain draws outside the mixture. `annealed_draws_an_effective`
   /// is the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
@@ -60,7 +61,7 @@ inline constexpr ConvergenceLimits kLimits{};
 
 /// The fraction of SMC draws outside the model's mixture minus the fraction of chain draws outside
 /// the mixture. The result is 0 if the difference is negative or unknown. The result is also 0 if
-/// the chains visited the region outside the mixture often enough for a better estimate.
+/// the chains visited the region outside the mixture often enough (kLimits.beyond_visits).
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
 /// True if the excess (annealed_excess) is above `share` and significant. The test treats 2√k of a

@@ -53,8 +53,8 @@ struct ModelFindings {
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes beyond the limited number that the search keeps, and the fraction of
-  /// the model's probability mass at these modes (Laplace's method).
+  /// Number of posterior modes that the search found but did not keep, because their number is
+  /// limited; and the fraction of the model's probability mass at these modes (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
@@ -67,13 +67,14 @@ struct ModelFindings {
       /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
       /// has too few draws.
       kNoEvidence;
-  /// Fraction of the model's draws outside the mixture (mixture density below a thousandth of the
-  /// posterior density), and the effective sample size of this fraction. Only local moves reach the
-  /// region outside the mixture. Both values are NaN if `bridged` is NaN.
+  /// A draw is outside the mixture if the mixture density is below a thousandth of the posterior
+  /// density there. The two values are the fraction of the model's draws outside the mixture, and
+  /// the effective sample size of this fraction. Only local moves reach the region outside the
+  /// mixture. Both values are NaN if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// Fraction of SMC draws that lie outside the mixture and from which chains started there do not
-  /// return to the mixture; NaN if not examined.
+  /// Fraction of the SMC draws that lie outside the mixture and from which chains do not return to
+  /// the mixture; NaN if not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };
@@ -98,7 +99,7 @@ enum class Choice {
   /// The mode search used the first samples of a record, then tracked each posterior mode as more
   /// samples were added. The chains started near the resulting posterior modes.
   started_on_first_samples,
-  /// The run was stopped before its first draw; the draws come from the mode searches
+  /// The run was stopped before each chain had 100 draws; the draws come from the mode searches
   drawn_by_searches,
 };
 
@@ -160,7 +161,7 @@ struct Posterior : RunRecord {
 
   /// P(model | data): the fraction of draws in the model, or the probability implied by its
   /// evidence if the draws are not reliable (ModelStanding). If neither is known, the probability
-  /// is 0 and its error NaN.
+  /// is 0 and the error is NaN.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
   /// ln of the Bayes factor B_ab of models a and b. Value and error are NaN if a or b has neither

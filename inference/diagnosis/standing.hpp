@@ -1,7 +1,7 @@
 // Probability of each model, from its draws or its evidence, and evidence of each model.
 //
-//   P_m = (1 - Σ_evidence P_n) s_m / Σ_draws s_k   for a model judged by its draws,
-//   P_m = P(m) Z_m / Σ P(n) Z_n                    for a model judged by its evidence.
+//   P_m = (1 - Σ_evidence P_n) s_m / Σ_draws s_k   if P_m comes from the draws of model m,
+//   P_m = P(m) Z_m / Σ P(n) Z_n                    if P_m comes from the evidence of model m.
 #pragma once
 
 #include <limits>

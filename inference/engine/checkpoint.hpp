@@ -17,7 +17,7 @@ namespace wheeltap::inference {
 /// The columns of a RunState. Each data member of a struct becomes a column with the name of the
 /// member, e.g. "chains.adaptation.steps", and one number per struct, in order. A list appends its
 /// length to the column "….size" and its entries to the column of its name ("….each" if the entries
-/// are lists). A matrix appends its shape to the columns "….rows" and "….columns". The number of
+/// are lists). A matrix appends its size to the columns "….rows" and "….columns". The number of
 /// columns therefore does not depend on the number of chains, models or draws.
 struct Checkpoint {
   /// Version number of the format, increased whenever a member of the run state changes.

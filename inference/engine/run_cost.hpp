@@ -7,8 +7,8 @@
 namespace wheeltap::inference {
 
 /// Estimated cost of a run. If the run time of a likelihood evaluation was measured, the estimate
-/// is correct within a factor of three in nine of ten runs (docs/scale.md); without measurement,
-/// within a factor of ten.
+/// is correct within a factor of three in nine of ten runs (docs/scale.md). Without this
+/// measurement, the estimate is correct within a factor of ten.
 struct RunCost {
   double bytes = 0.0;  ///< peak memory
   double disk = 0.0;   ///< largest size of the results folder [bytes]

@@ -1,4 +1,4 @@
-// Approximate draws for a run that was stopped before its first draw.
+// Approximate draws for a run that was stopped before each chain had kSalvaged draws.
 #pragma once
 
 #include "inference/engine/run_context.hpp"

@@ -24,9 +24,10 @@ struct ImportanceSampling {
   double pareto_k = 0.0;         ///< Pareto shape of the weights (pareto_shape)
 };
 
-/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to pilot draws, with a
-/// defensive component. The standard error is sd(w) / (mean(w) √n). Warns that the error is
-/// unreliable if the Pareto shape exceeds 0.7 or there are fewer than 100 effective draws.
+/// Estimates Z = E_q[π/q] from draws of the proposal q. An example of q is a mixture fitted to
+/// pilot draws, with a defensive component. The standard error is sd(w) / (mean(w) √n). Warns that
+/// the error is unreliable if the Pareto shape exceeds 0.7 or there are fewer than 100 effective
+/// draws.
 [[nodiscard]] ImportanceSampling importance_sampling(const Problem& problem, int model,
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);

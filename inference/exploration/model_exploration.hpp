@@ -34,7 +34,7 @@ struct ExplorationOptions {
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
-  /// Draws by another method, e.g. tempering over all models; draws × dimension.
+  /// Draws from another sampling method, e.g. tempering over all models; draws × dimension.
   Eigen::MatrixXd draws{};
   /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the exploration ends.
@@ -81,7 +81,7 @@ struct ModelExploration {
   std::vector<double> annealed_log_posterior;  ///< ln π at each SMC draw
   /// Evidence by SMC; NaN if SMC did not run or failed
   Evidence annealed = kNoEvidence;
-  /// Evidence by importance sampling; NaN if nothing was found
+  /// Evidence by importance sampling; NaN if no posterior mode was found
   Evidence sampled = kNoEvidence;
   double effective_draws = 0.0;  ///< effective sample size of the importance sampling
   double efficiency = 0.0;       ///< effective_draws divided by the number of draws
@@ -96,22 +96,23 @@ struct ModelExploration {
   [[nodiscard]] bool settled() const;
 };
 
-/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways: searches
-/// maximise the density from many starting points, and SMC follows the probability mass along a
-/// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
+/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways. Searches
+/// maximise the density from many starting points. SMC follows the probability mass along a path of
+/// temperatures. One normal mixture is fitted to the results of both methods. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
 /// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only one
 /// method found is thus included. A posterior mode that both methods found is counted once.
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
-/// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
-/// probability mass. Two results indicate missed probability mass. First, the evidence by SMC is
-/// significantly larger than the evidence by the mixture (criterion of the convergence diagnosis).
-/// Second, SMC draws lie far from every known mode, and a local optimisation from these draws leads
-/// to another posterior mode. For a record, SMC may fail on the first samples. SMC then ends after
-/// a fixed number of likelihood evaluations, and local optimisations from the current SMC draws
-/// follow instead. A full SMC run follows only if the brief run shows missed probability mass, or
-/// if the local optimisations did not determine the posterior.
+/// local optimisations determine the posterior (`settled`), a brief SMC run tests whether they
+/// missed probability mass. Two results indicate missed probability mass. First, the evidence by
+/// SMC is significantly larger than the evidence by the mixture (criterion of the convergence
+/// diagnosis). Second, SMC draws lie far from every known mode, and a local optimisation from these
+/// draws leads to another posterior mode. For a record, SMC may not reach the posterior of the
+/// first samples. SMC then ends after a fixed number of likelihood evaluations, and local
+/// optimisations from the current SMC draws follow instead. A full SMC run follows only if the
+/// brief run shows missed probability mass, or if the local optimisations did not determine the
+/// posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
@@ -125,9 +126,9 @@ enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the posterior mode whose normal approximation, divided by its peak value, is the
-/// highest at z. It is the nearest mode if distances are in standard deviations of each mode. The
-/// result is -1 if `modes` is empty.
+/// Index of the posterior mode nearest to z, if distances are measured in standard deviations of
+/// each mode: its normal approximation, divided by its peak value, is the highest at z. The result
+/// is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

@@ -33,10 +33,10 @@ struct Routines {
   /// ln Σ_k exp(c_k - ½ |A_k z - b_k|²)
   double (*log_density)(const double* packed, std::size_t groups, std::size_t stride,
                         const double* z, std::size_t d);
-  /// |A_k z - b_k|² of every k
+  /// |A_k z - b_k|² of each mixture component k
   void (*quadratic_forms)(const double* packed, std::size_t groups, std::size_t stride,
                           const double* z, std::size_t d, double* values);
-  /// One pass of EM over the samples. A group of `moments` has eight values of each sum:
+  /// One EM iteration over the samples. A group of `moments` has eight values of each sum:
   ///   Σ w r;  Σ r;  Σ w r e_1, Σ w r e_1 e_1;  Σ w r e_2, Σ w r e_2 e_1, Σ w r e_2 e_2;  …
   /// with responsibilities r and deviations e = z - μ from the *current* means, which avoid
   /// cancellation in the moments of a narrow component. Returns Σ w ln q.

@@ -81,10 +81,10 @@ struct OwnPrior {
 /// The prior of one parameter. All inference uses the *standard normal coordinate* z of each
 /// parameter,
 ///
-///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
+///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)).
 ///
-/// with F the prior's distribution function, so that a priori z ~ N(0, 1) for every family, unit
-/// and bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
+/// F is the distribution function of the prior. A priori, z ~ N(0, 1) for every family, unit and
+/// bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
 /// Proposals then need no bounds, a birth from the prior is a standard normal draw, and results do
 /// not depend on the units of parameters.
 class Prior {

@@ -50,9 +50,9 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. These multiplications take a
-/// few microseconds, like a cheap likelihood. Work is counted in operations instead of seconds, so
-/// that draws are the same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. This number of
+/// multiplications takes a few microseconds, as long as one evaluation of a cheap likelihood. Work
+/// is counted in operations instead of seconds, so that draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel, for the estimate of its efficiency.
@@ -127,7 +127,7 @@ class MetropolisHastings : public Kernel {
 /// the density at `to` is zero, and +∞ if only the density at `from` is zero.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
-/// ln of the ratio of tempered target densities with the approximate log likelihood.
+/// ln of the ratio of the tempered target densities, with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
@@ -136,7 +136,7 @@ class MetropolisHastings : public Kernel {
 /// unchanged.
 class KernelMixture {
  public:
-  /// Adds a kernel. `most` is the largest factor by which its weight may increase
+  /// Adds a kernel. `most` is the largest factor by which the weight of this kernel may increase
   /// (kernel_efficiencies).
   void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
   /// Multiplies the weight of each kernel by its factor > 0.
@@ -160,11 +160,11 @@ class KernelMixture {
 };
 
 /// Efficiency of each kernel relative to the best other kernel of its type, limited to the range
-/// from 0.1 to `most`. The efficiency is the number of accepted moves per unit of counted work,
-/// which includes one likelihood evaluation per proposal. For kernels that propose jumps between
-/// models, only accepted jumps count. Kernels without additional work whose `most` is 1 have the
-/// efficiency 1, because some of these kernels reach states that other kernels do not reach.
-/// Kernels with too few proposals also have the efficiency 1.
+/// from 0.1 to `most`. The efficiency is the number of accepted moves divided by the work. The work
+/// of a proposal is one likelihood evaluation plus the additional work `work()` of the kernel. For
+/// kernels that propose jumps between models, only accepted jumps count. The efficiency is set to 1
+/// for kernels without additional work whose `most` is 1, because some of them reach states that no
+/// other kernel reaches. Kernels with too few proposals for an estimate also have the efficiency 1.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

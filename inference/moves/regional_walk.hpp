@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// z' = z + f (2.38/√d) L_k u with u ~ N(0, I), ln f uniform between ln 10⁻² and 0, and k a
+/// z' = z + f (2.38/√d) L_k u, with u ~ N(0, I) and ln f uniform between ln 10⁻² and 0. k is a
 /// component of the model's fitted mixture, chosen by its responsibility for z (Craiu, Rosenthal &
 /// Yang 2009, JASA 104:1454; Bai, Craiu & Di Narzo 2011, J. Comput. Graph. Stat. 20:63). Given f,
 ///

@@ -13,7 +13,7 @@ namespace wheeltap::io {
 /// of structures, "runs{2}" for elements of cell arrays. A complex array "H" becomes the columns
 /// "H, real" and "H, imaginary". libmatio cannot read objects (tables, datetimes); `others` of the
 /// result lists the objects, each with a remedy. The argument is a path, because libmatio cannot
-/// read from memory. A child process reads the file (`read_apart`), because some damaged files
+/// read from memory. A child process reads the file (`read_apart`), because some corrupt files
 /// crash libmatio or HDF5. Throws FileError: missing if the file cannot be read, or the library was
 /// built without libmatio; corrupt if the file has no numeric arrays, is truncated, or contains an
 /// array that cannot be read.

@@ -59,7 +59,7 @@ class NetcdfWriter {
   void text(int group, int variable, const char* name, const std::string& value) const {
     check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
   }
-  // Defines a dimension and its coordinate variable `first`, `first` + 1, … (0, 1, … or 1, 2, …).
+  // Defines a dimension and its coordinate variable with the values `first`, `first` + 1, …
   [[nodiscard]] int dimension(int group, const char* name, std::size_t size, int first) const {
     int id = 0, variable = 0;
     check(nc_def_dim(group, name, size, &id));

@@ -18,8 +18,8 @@ class StampColumn {
   StampColumn(TimeFormat format, std::string stated)
       : format_(std::move(format)), stated_(std::move(stated)) {}
 
-  /// Writes the seconds of the next time stamp to `seconds`. Returns an empty string if the text
-  /// was read. If not, returns the end of an error message that begins with the text.
+  /// Writes the seconds of the next time stamp to `seconds`. Returns an empty string if `text` was
+  /// read. Otherwise returns the second part of an error message whose first part is `text`.
   [[nodiscard]] std::string read(std::string_view text, double& seconds);
   [[nodiscard]] const std::optional<TimeStamp>& first() const { return first_; }
   /// Largest number of decimals of the seconds in the column.

@@ -47,7 +47,7 @@ struct FoundLayout {
 /// separator.
 [[nodiscard]] std::optional<char> parse_separator(std::string_view text);
 
-/// A line of text; an input of the layout detection.
+/// A line of text, as input of the layout detection.
 struct TextLine {
   std::string_view text;
   int number = 0;  ///< number of the line, from 1

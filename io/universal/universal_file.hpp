@@ -97,7 +97,7 @@ struct UniversalElement {
   std::array<int, 3> beam = {};  ///< orientation node, sections at the ends
   std::vector<int> nodes = {};
 
-  /// True if the element is a rod or beam; files then store the numbers `beam`.
+  /// True if the element is a rod or beam. Files store the numbers `beam` for rods and beams only.
   [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
 };
 
@@ -111,7 +111,8 @@ struct UniversalSystem {
   std::array<std::array<double, 3>, 4> axes = {};
 };
 
-/// Dataset 82: nodes to be joined by lines; the number 0 starts a new line.
+/// Dataset 82: trace lines between nodes. In the list of node numbers, the number 0 starts a new
+/// line.
 struct UniversalTrace {
   int number = 0;
   int colour = 0;

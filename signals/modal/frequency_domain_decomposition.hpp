@@ -32,7 +32,7 @@ struct DecompositionOptions {
 /// `records` has one channel per row. Modes are peaks of the first singular value that satisfy two
 /// conditions. First, the prominence of the peak is at least 3 dB and at least 10 log₁₀((1 + ε) /
 /// (1 - ε)) dB, where ε = 3/√n (at most 0.9) is three relative standard deviations of a spectrum
-/// with n averages. Second, several spectral lines have nearly the peak's singular vector.
+/// with n averages. Second, the singular vectors at several lines nearly equal that of the peak.
 ///
 /// With fdd, natural frequencies are the frequencies of spectral lines, damping ratios are NaN, and
 /// the covariances are empty. With efdd, covariances are estimated by the jackknife over blocks,

@@ -41,7 +41,8 @@ void refuse_copies(const MatrixXd& y) {
       if (std::abs(product(a, b)) > kAlike * std::sqrt(product(a, a) * product(b, b)) &&
           product(a, a) > 0.0 && product(b, b) > 0.0)
         throw ChannelError(
-            a, "equals channel " + std::to_string(b) + " except for its scale: leave one out", b);
+            a, "equals channel " + std::to_string(b) + " except for its scale: omit one of the two",
+            b);
 }
 
 MatrixXd decimated(const Eigen::Ref<const MatrixXd>& records, int factor, int threads) {

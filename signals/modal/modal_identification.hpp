@@ -31,10 +31,10 @@ enum class ModeDoubt {
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping ratio and constant amplitude: perhaps a machine harmonic
-  /// A second mode has the same shape. Its frequency is equal
-  /// within the standard deviations, or it lies within the
-  /// half-power bandwidths and has a smaller uncertainty
-  /// than this mode.
+  /// A second mode has the same shape. Either both frequencies
+  /// are equal within the standard deviations, or the second
+  /// mode lies within the half-power bandwidths and has a
+  /// smaller uncertainty than this mode.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
@@ -108,9 +108,10 @@ struct ModalResult {
 /// identification, the lags cover one period of the lowest frequency of the band. In the second
 /// identification, the lags cover one period of the lowest mode, because more lags increase the
 /// variance of the estimates. Poles chosen by the user replace the modes selected from the last
-/// diagram, but do not change the diagram. Throws ChosenPoleError, ChannelError
+/// diagram, but do not change the diagram. Throws ChosenPoleError. Throws ChannelError
 /// (signals/refuse.hpp) for channels that are constant, proportional to another channel or not
-/// finite, and std::invalid_argument for an invalid band and for records too short for any order.
+/// finite. Throws std::invalid_argument for an invalid band and for records too short for any model
+/// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 
@@ -129,7 +130,7 @@ struct ModalResult {
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
 
-/// Sets the reasons for doubt of each mode. Public for the implementations of the methods.
+/// Sets the member `doubts` of each mode. Public for the implementations of the methods.
 void doubt_modes(ModalResult& result);
 
 /// Computes the kurtosis E|z|⁴ / (E|z|²)² of the complex amplitude z of a signal near a frequency.

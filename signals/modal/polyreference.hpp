@@ -19,7 +19,7 @@
 // Stat. 14:1261, with the residuals of MacKinnon & White 1985). The complex normal random number w
 // has unit variance and is the same for all entries of a spectral line. Errors that are common to
 // several outputs therefore remain common. At resonances with few spectral lines, the residuals are
-// smaller than the noise; the leverage corrects for this difference.
+// smaller than the noise. The factor 1 / √(1 - leverage) corrects for this difference.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ struct PolyreferenceFit {
 };
 
 /// Computes the poles for the polynomial order n. The result contains only poles within the
-/// frequency band of the spectral lines and with a damping ratio above 0 or slightly below 0.
+/// frequency band of the spectral lines. Their damping ratios are positive or slightly negative.
 /// Throws std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 

@@ -3,7 +3,7 @@
 // Hard criteria keep poles with plausible damping and a sufficiently small standard deviation of
 // frequency. The soft criterion is a distance between poles, d = |Δf| / max f + 1 - MAC (Magalhães,
 // Cunha & Caetano 2009, MSSP 23:1431). Average linkage joins poles with a distance below a
-// threshold to clusters with at most one pole of each model order. The threshold follows from the
+// threshold into clusters with at most one pole of each model order. The threshold follows from the
 // distances d between each pole and the nearest pole of the previous model order. A least-squares
 // fit divides these poles into two classes by log d; the threshold is taken from the class of
 // stable poles (Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
@@ -82,18 +82,19 @@ struct Stabilisation {
 /// most 1.1 times a limit. The limit is the smaller of two values: the 10 % quantile of the
 /// cluster's uncertainties, and 1.25 times the smallest uncertainty. Among the candidates in the
 /// upper half of the candidates' model orders, the pole with the median frequency is chosen. This
-/// rule avoids model orders that are too high, whose poles are less accurate, and low model orders
-/// that may not resolve neighbouring modes. The choice among the candidates does not depend on
-/// their uncertainties.
+/// rule avoids model orders that are too high, because their poles are less accurate. The rule also
+/// avoids low model orders, which may not resolve neighbouring modes. The choice among the
+/// candidates does not depend on their uncertainties.
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
 /// therefore a candidate only if its model order resolves all steady modes, also outside the band,
-/// and all modes with overlapping resonance peaks. Steady modes occur in at least half of the
-/// orders from their first one. If no pole of these model orders meets the limit, their best poles
-/// are the candidates. If these orders have fewer than three poles, or if their best pole has more
-/// than twice the smallest uncertainty, poles of every model order can be candidates. Poles without
-/// standard deviations (NaN) require largest_relative_sd = ∞; then the pole with the median
-/// frequency of all poles represents the cluster.
+/// and all modes with overlapping resonance peaks. A mode is steady if it occurs in at least half
+/// of the model orders from its first one on. If no pole of the model orders that resolve these
+/// modes meets the limit, the best poles of these orders are the candidates. Poles of every model
+/// order can be candidates if these orders have fewer than three poles, or if the best pole of
+/// these orders has more than twice the smallest uncertainty. Poles without standard deviations
+/// (NaN) require largest_relative_sd = ∞; then the pole with the median frequency of all poles
+/// represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -122,9 +123,9 @@ struct ChosenPoleError : std::invalid_argument {
 /// on the processor.
 inline constexpr double kChosenWithin = 0.005;
 
-/// Replaces the modes by the chosen poles. Each chosen pole becomes the representative of its
-/// cluster, which is the mode; a pole without a cluster becomes a mode by itself. Clusters without
-/// a chosen pole are rejected. Throws ChosenPoleError for a model order or a frequency that the
+/// Replaces the modes by the chosen poles. Each chosen pole represents its cluster, and the cluster
+/// becomes a mode. A chosen pole without a cluster becomes a mode by itself. Clusters without a
+/// chosen pole are rejected. Throws ChosenPoleError for a model order or a frequency that the
 /// diagram does not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 

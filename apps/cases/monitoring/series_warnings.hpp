@@ -9,8 +9,8 @@ struct MonitorCaseFile;
 /// more than kLargestDeviation robust standard deviations from the median.
 void warn_of_error_codes(MonitorCaseFile& out);
 
-/// Warns of columns that end in a sequence of missing or of equal values. Only a sequence that is
-/// longer than every sequence of its type in the training period causes a warning.
+/// Warns of columns that end in a sequence of missing or of equal values. The function warns only
+/// if this sequence is longer than every sequence of the same type in the training period.
 void warn_of_dead_columns(MonitorCaseFile& out);
 
 }  // namespace wheeltap::apps

@@ -10,7 +10,7 @@
 
 namespace wheeltap::apps {
 
-/// The cells of a CSV file that hold the frequencies.
+/// Location of the frequencies in a CSV file.
 struct FrequencyCells {
   /// For a file with one test per row: names or 1-based numbers of the columns of modes 1, 2, …. If
   /// the list is empty, the file has one mode per row, in a column "frequency" and optionally the

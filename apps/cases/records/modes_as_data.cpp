@@ -95,7 +95,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key))
-      file.refuse(where / key, "is not allowed with \"from\": the modes.json gives this value");
+      file.refuse(where / key, "is not allowed with \"from\": modes.json contains this value");
   TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);

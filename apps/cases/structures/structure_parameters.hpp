@@ -33,7 +33,7 @@ struct Coefficient {
   }
 };
 
-/// The parameters of a case and the coefficients of the structure that they determine.
+/// The parameters of a case, and the coefficients of the structure that depend on them.
 class StructureParameters {
  public:
   /// Parses /parameters. Throws Failure for an improper prior.

@@ -105,9 +105,9 @@ void add_defects(AnyJson& rules) {
   keys["kind"]["enum"] = std::move(names);
 }
 
-/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds to the
-/// description which interpolants need grids and which accept other designs. `AnyJson` is Json, or
-/// ordered_json, which keeps the order of keys.
+/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. The new
+/// description also states which interpolants need grids and which accept other designs. `AnyJson`
+/// is Json, or ordered_json, which keeps the order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;

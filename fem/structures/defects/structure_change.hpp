@@ -33,8 +33,8 @@ struct StructureChange {
     double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
   };
 
-  /// A scale factor q > 0 of a part of K_rest (`Discretisation::parts`). This change can have any
-  /// rank, so column-based reanalysis does not support it.
+  /// A scale factor q > 0 of a part of K_rest (`Discretisation::parts`). A scaling can have any
+  /// rank, so column-based reanalysis does not support scalings.
   struct Scaling {
     int part;
     double remaining = 1.0;  ///< q in (0, 1]

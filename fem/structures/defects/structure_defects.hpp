@@ -35,8 +35,8 @@ struct StructureDefects {
   /// A reduction of the rotational stiffness of a joint or support. If the joint has springs
   /// (member ends with a finite stiffness, rotational springs to ground), each spring keeps the
   /// fraction 1 - r of its stiffness. Without springs, every rigidly joined member end gets the
-  /// fixity 1 - r and rotates relative to the joint by r / (1 - r) · L / (3 E I) per unit of moment
-  /// (Monforton & Wu 1963).
+  /// fixity 1 - r (Monforton & Wu 1963). The member end then rotates relative to the joint by r /
+  /// (1 - r) · L / (3 E I) per unit of moment.
   struct LooseJoint {
     int node;
     double reduction;  ///< r in [0, 1)
@@ -77,7 +77,7 @@ struct StructureDefects {
 /// The rotation θ = c v · t of a hinge also displaces the mass of the element by g(x) θ. The
 /// function g is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p
 /// · Bu, the mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The
-/// change of M is the sum of a positive and a negative mass.
+/// change of M is equivalent to one added and one removed mass.
 ///
 /// The defects are added to the initial change `change`. If several softenings act on the same
 /// strain, their remaining fractions are multiplied. Throws std::invalid_argument for locations

@@ -43,17 +43,18 @@ struct ParametricModesOptions {
 /// bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4). The initial basis contains
 /// the responses to the low-rank terms, (K₀ + σM₀)⁻¹ C.
 ///
-/// Every computed eigenvalue has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r =
-/// K u - λ M u,
+/// Every computed eigenvalue λ has an error bound. Let u be the Ritz vector, scaled so that
+/// uᵀ(K + σM)u = λ + σ, and let r = K u - λ M u be the residual. Then
 ///
 ///   η = ‖r‖_(K + σM)⁻¹ / √(λ + σ)  ≤  ‖r‖_(K₀ + σM)⁻¹ / √(α (λ + σ))
 ///
-/// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
-/// second bound of this error is η²/gap (Temple and Kato), where gap is the relative distance to
-/// the rest of the spectrum. Modes whose relative eigenvalue spacing is below `kCluster` have the
-/// bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are
-/// rigid-body motions. The sine of the angle between a computed and the true shape is at most
-/// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
+/// is a bound of the relative error of 1/(λ + σ) (Weinstein). Low-rank terms are added to K₀
+/// exactly. A second bound of this error is η²/gap (Temple and Kato), where gap is the relative
+/// distance to the rest of the spectrum. Modes whose relative eigenvalue spacing is below
+/// `kCluster` have the bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0
+/// unless there are rigid-body motions. The sine of the angle between a computed and the true shape
+/// is at most η/gap. If an error bound exceeds its tolerance, structure_modes solves the full
+/// problem.
 ///
 /// The error bounds prove that an exact eigenvalue lies near each result. The bounds do not prove
 /// that no mode is missing. Sturm counts check for missing modes at every training point during the

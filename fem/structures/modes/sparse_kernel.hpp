@@ -1,4 +1,4 @@
-// The loops of a sparse factor L D Lᵀ. Internal to SparseFactor.
+// Loops over the entries of a sparse factor L D Lᵀ. Internal to SparseFactor.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,9 @@ struct ColumnGroup {
   std::uint32_t below;           ///< number of rows below the group
   const std::uint32_t* rows;     ///< these rows
   const Run* row_runs;           ///< the same rows as runs
-  /// Positions in `lower` of the entries (a, b) of L, a > b, as sequences of type Run: all entries
-  /// of the first row b of `rows`, then those of the second row, and so on.
+  /// Positions in `lower` of the entries (a, b) of L, a > b, with a and b in `rows`, as sequences
+  /// of type Run: all entries whose column b is the first number in `rows`, then those of the
+  /// second, and so on.
   const Run* targets;
 };
 
@@ -37,8 +38,8 @@ struct SparsePattern {
   const std::size_t* start;
 };
 
-/// Functions compiled for one instruction set. The arrays hold 1 or 4 matrices or vectors together:
-/// entry i of matrix w has the index i W + w.
+/// Functions compiled for one instruction set. The arrays interleave W = 1 or 4 matrices or
+/// vectors: entry i of matrix w has the index i W + w.
 struct SparseKernel {
   const char* name;
   void (*factorise)(const SparsePattern&, double* diagonal, double* lower);

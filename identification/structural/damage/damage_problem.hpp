@@ -53,7 +53,7 @@ struct DamageProblemOptions {
   std::shared_ptr<OutsideModel> outside = {};
   /// Forward model that replaces the FE solution: predicts the lowest elastic frequencies [Hz], or
   /// modes if the case has shapes or correlated frequencies. The model must match the structure of
-  /// the case and cannot be emulated.
+  /// the case. The case must not have an emulator.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations that are added to the data of the case
   std::vector<std::shared_ptr<const Observation>> observations = {};

@@ -25,11 +25,11 @@ struct RunOptions {
   const emulator::TableFile* runs = nullptr;
 };
 
-/// The damages at a design point (location_1 [m], reduction_1, location_2 …), by location.
+/// The damages at a design point (location_1 [m], reduction_1, location_2 …), sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// One entry per factor of `count` damages: true for a location, along which frequencies oscillate;
-/// false for a reduction.
+/// One entry per factor of `count` damages: true for a location, because frequencies oscillate
+/// with the location; false for a reduction.
 [[nodiscard]] std::vector<bool> waves(int count);
 
 /// Computes the elastic frequencies [Hz] at a design point by the FE solution.
@@ -56,8 +56,8 @@ struct RunOptions {
 
 /// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
 /// (`spec.csv`). If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the
-/// number of new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's
-/// runs.
+/// number of new runs to `made`. Throws std::invalid_argument. Throws io::FileError if the runs of
+/// the user cannot be read or are invalid.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

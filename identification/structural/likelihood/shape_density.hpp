@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
 /// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
-/// scaled to exactly 1. For Σ = σ² I the density is that of Watson with concentration |ψ|²/(2σ²)
+/// scaled to exactly 1. For Σ = σ² I, p is the Watson density with concentration |ψ|²/(2σ²)
 /// (Mardia & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck
 /// & Au (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the
 /// entry by which the shape was divided.
@@ -27,8 +27,9 @@ namespace wheeltap::identification {
 /// with α̂ the best angle, s the sd of α̂ from the noise, and N_π the normal density wrapped at π.
 /// This factor is the mean of exp(-χ²/2) over α, and at most 1. For τ = 0, this mean is exp(-χ²/2).
 ///
-/// If the model error mixes other modes into the computed mode, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
-/// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
+/// The model error may mix other modes into the computed mode: φ_j + Σ_k c_k φ_k with
+/// c_k ~ N(0, τ_k²) (`Mixing`). The term a² Σ_k τ_k² φ_k φ_kᵀ is then added to Σ, where a is the
+/// least-squares amplitude.
 class ShapeDensity {
  public:
   /// `values` is ψ, of any scale and sign. `covariance` is Σ (m × m) for ψ scaled to a largest
@@ -63,7 +64,7 @@ class ShapeDensity {
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more, const Eigen::MatrixXd& moved,
                                    Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;
-  /// ∂ log_density/∂φ for the first overload of `against`.
+  /// Returns ∂ log_density/∂φ of the comparison by `against` with the same arguments.
   [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& shape, double scale,
                                       double more) const;
 

@@ -27,8 +27,8 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation` is that of their coordinates z in
-/// a solution.
+/// Two parameters that the data cannot distinguish; `correlation` is the correlation of the
+/// coordinates z of both parameters in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
@@ -75,7 +75,7 @@ struct ModeFinding {
   [[nodiscard]] bool is_off() const;
 };
 
-/// The prediction of a mode that the update did not use.
+/// The prediction of a mode that was not used for the update.
 struct PredictedMode {
   int mode = 0;  ///< number of the elastic mode, from 1
   Marginal frequency_hz = {};

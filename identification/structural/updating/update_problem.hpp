@@ -47,10 +47,10 @@ struct UpdateProblemOptions {
 };
 
 /// Makes the problem and trains the reduced basis. The relative error of eigenvalues is at most
-/// 0.002 times the smallest relative sd of a frequency, limited to 1e-8 … 1e-5. The error of shapes
-/// is at most a fifth of their sd. If the basis is less accurate, full solutions replace it. Throws
-/// std::invalid_argument for inconsistent data and for more modes than the structure has; throws
-/// fem::InvalidStructure, OutsideModelError.
+/// 0.002 times the smallest relative sd of a frequency, limited to 1e-8 … 1e-5. The error of a
+/// shape is at most a fifth of the smallest sd of a shape, limited to 1e-4 … 1e-2. If the basis is
+/// less accurate, full solutions are used. Throws std::invalid_argument for inconsistent data and
+/// for more modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 

@@ -19,12 +19,13 @@ namespace wheeltap::inference {
 ///
 ///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
 ///
-/// Without fitted proposals, p_i = 1/(k+1). With fitted proposals, and q_k the density fitted to
-/// the smaller model,
+/// Without fitted proposals, p_i = 1/(k+1). With fitted proposals, p_i depends on the density q_k
+/// that is fitted to the smaller model:
 ///
 ///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
 ///
-/// a death tends to remove a component whose removal leaves a probable state of the smaller model.
+/// A death therefore tends to remove a component whose removal leaves a probable state of the
+/// smaller model.
 class BirthDeath : public Move {
  public:
   BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
