@@ -15,7 +15,7 @@ enum class Exit : int {
   usage = 64,          ///< bad command line
   bad_input = 65,      ///< invalid case or data
   no_input = 66,       ///< a file is missing or unreadable
-  internal = 70,       ///< a fault of the program
+  internal = 70,       ///< an internal error of the program
   cannot_create = 73,  ///< output cannot be written
   interrupted = 130,   ///< Ctrl-C before the run had results
 };

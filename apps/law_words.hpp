@@ -10,7 +10,8 @@ namespace wheeltap::apps {
 /// The shortest text that parses to x: "1e7", "0.004", "60000".
 [[nodiscard]] std::string plain_number(double x);
 
-/// True if the first coefficient, a number or a name, is sufficient to define the force law.
+/// True if a case may give the force law by its first coefficient alone: a number, or the name of a
+/// parameter.
 [[nodiscard]] bool has_short_form(const dynamics::LawInfo& info);
 
 /// The keys of a force law: "force [N], velocity [m/s]", with " and side" for a one-sided force

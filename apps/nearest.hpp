@@ -12,9 +12,9 @@ namespace wheeltap::apps {
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The candidate nearest to `word` by edit distance, if the distance is at most one plus a third of
-/// the word's length. Otherwise, the longest candidate of at least four letters that `word`
-/// contains ("frequencies_hz") or that begins with `word` ("freq"). Empty if no candidate meets
-/// these conditions.
+/// the word's length. If no candidate satisfies this condition, the result is the longest candidate
+/// of at least four letters that `word` contains ("frequencies_hz") or that begins with `word`
+/// ("freq"). Empty if no candidate meets these conditions.
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 

@@ -19,8 +19,9 @@ using inference::RunCost;
 /// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Environment variable. If it is "json" and standard error is not a terminal, progress is printed
-/// as JSON Lines: {"stage", "fraction", "detail", "seconds_left" if known, "models" if any}.
+/// Environment variable. If its value is "json" and standard error is not a terminal, progress is
+/// printed as JSON Lines: {"stage", "fraction", "detail", "seconds_left" if known, "models" if
+/// any}.
 inline constexpr const char* kProgressVariable = "WHEELTAP_PROGRESS";
 
 /// Options of every command that reads a case.
@@ -33,8 +34,8 @@ struct CommonOptions {
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< time between two checkpoints [s]; 0: no checkpoints
-  /// Callback of --dry-run. If it is set, a command passes the estimated cost of its work ("run",
-  /// "table") to the callback and ends without the work.
+  /// Callback of --dry-run. If this callback is set, a command passes the estimated cost of its
+  /// work ("run", "table") to the callback and ends without the work.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< limit of the estimated memory [GB]
   double max_hours = 100.0;

@@ -49,7 +49,7 @@ std::string sentence(const remark::UnusedNodes& r) {
   if (r.nodes.size() > kNamed) names.push_back(std::to_string(r.nodes.size() - kNamed) + " more");
   return (r.nodes.size() == 1 ? "Node " : "Nodes ") + in_words(names) +
          (r.nodes.size() == 1 ? " belongs" : " belong") +
-         " to no member and no spring, so the structure does not move there. Join or delete " +
+         " to no member and no spring, so the structure does not move there. Connect or delete " +
          (r.nodes.size() == 1 ? "it." : "them.");
 }
 
@@ -58,7 +58,7 @@ std::string sentence(const remark::CrossingMembers& r) {
   for (const auto& pair : r.pairs) {
     text += text.empty() ? "" : "; ";
     text += "\"" + pair.first + "\" and \"" + pair.second + "\" " +
-            (pair.between ? "meet at (" : "end at the same location, at two nodes, at (") +
+            (pair.between ? "meet at (" : "end at different nodes with the same location, at (") +
             significant(pair.at[0], 4) + ", " + significant(pair.at[1], 4) +
             (r.dimension == 3 ? ", " + significant(pair.at[2], 4) : std::string()) + ")";
   }

@@ -143,15 +143,14 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
             significant(verdict.resolved_width, 1) +
             " standard deviations of the prior; posterior modes narrower than " +
             significant(verdict.resolution * verdict.resolved_width, 1) +
-            " standard deviations may have been missed in any case";
+            " standard deviations may have been missed, whatever their basin";
   }
   if (verdict.glanced > 0) {
-    text +=
-        ". This resolution applies to models that hold " +
-        significant(100.0 * inference::kLimits.searched_model, 1) +
-        " % of the probability or more; " +
-        (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
-        " had a short search only, from the posterior modes of models with a subset of their terms";
+    text += ". This resolution applies to models with a probability of " +
+            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more; " +
+            (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
+            " had only a short search, started from the posterior modes of models with a subset of "
+            "their terms";
   }
   if (verdict.passed_over > 0) {
     text += "; " +
@@ -168,7 +167,7 @@ std::string symmetry_statement(bool emulated) {
       "mirror image L - x";
   return emulated
              ? start +
-                   ". If the posterior prefers one side, the emulator causes this, not the data."
+                   ". If the posterior prefers one side, the cause is the emulator, not the data."
              : start + ": each reported location represents both.";
 }
 
@@ -205,7 +204,8 @@ std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                     " from L - s");
   std::string text = "The intact structure is symmetric, so its frequencies cannot distinguish ";
   for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : ", ") + parts[i];
-  return text + ": a damage at one location represents all its images.";
+  return text +
+         ": a damage at one location represents all locations that are equivalent by symmetry.";
 }
 
 std::string emulator_warning(int damages, const std::vector<int>& blind) {
@@ -227,7 +227,7 @@ std::string in_words(inference::Choice choice) {
       return "The record is long, so the chains started near posterior modes found in its first "
              "samples, and Wheeltap tracked these modes as more samples were added.";
     case inference::Choice::drawn_by_searches:
-      return "The run stopped before its chains had draws. The reported draws lie in the "
+      return "The run stopped before each chain had 100 draws. The reported draws lie in the "
              "neighbourhood of the posterior modes "
              "that the searches found.";
   }

@@ -26,8 +26,8 @@ using base::grouped;
 /// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
 /// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound of the
-/// probability: "> 99.9 %". If twice the Monte Carlo error exceeds 0.1 %, the bound differs from
-/// the probability by twice this error: "> 72 %".
+/// probability: "> 99.9 %". If twice the Monte Carlo error exceeds 0.1 %, the difference between
+/// the bound and the probability is twice this error: "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
 /// " ± 2 %": the error shown by percent(); empty if percent() returns a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);
@@ -53,11 +53,11 @@ using base::grouped;
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
 /// Text on the resolution of the searches for posterior modes: "posterior modes reached from less
-/// than 0.3 % of the prior may have been missed", and the widths of posterior modes for which this
-/// is true. The text is empty without a search.
+/// than 0.3 % of the prior may have been missed", and the widths of the posterior modes to which
+/// this statement applies. The text is empty without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
-/// Data for the text of a remark, in addition to the numbers in the remark.
+/// The case and results of the run, for remarks whose texts need more than their own numbers.
 struct Context {
   const identification::DamageCase* damage_case = nullptr;
   const identification::DamageFindings* damage = nullptr;

@@ -1,10 +1,11 @@
 // Eigen, with the settings of the library build.
 //
-// Eigen's vectors and matrices cross the library boundary by value: one side allocates memory and
-// the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED. Without
-// explicit settings, this macro and EIGEN_MAX_ALIGN_BYTES follow from the compiler's option -march.
-// wheeltap::base sets both macros for its users. Without these settings, compilation stops here,
-// because the program could crash in free().
+// Functions of the library take and return Eigen's vectors and matrices by value: one side of the
+// library boundary allocates the memory, and the other side frees it. The method of deallocation
+// depends on EIGEN_MALLOC_ALREADY_ALIGNED. Without explicit settings, this macro and
+// EIGEN_MAX_ALIGN_BYTES follow from the compiler's option -march. The target wheeltap::base sets
+// both macros. Without these settings, compilation stops here, because the program could crash in
+// free().
 //
 // EIGEN_NO_CPUID: by default, Eigen splits sums of products by cache sizes read from the processor.
 // Rounding errors, and therefore every draw of a Markov chain, would depend on the machine. With

@@ -1,17 +1,17 @@
 // Matrix products and solutions of triangular systems, compiled once.
 //
-// Eigen compiles a product C = A B anew for each combination of types of A, B and C: the product of
-// panels (Goto & van de Geijn 2008), a loop for small matrices, and a matrix-vector product. Each
-// combination needs dozens of expression types, whose compilation took half of the build time. This
+// Eigen compiles a product C = A B in three versions for each combination of types of A, B and C: a
+// blocked product (Goto & van de Geijn 2008), a loop for small matrices, and a matrix-vector
+// product. The compilation of the dozens of expression types took half of the build time. This
 // header makes Eigen pass products of real and complex matrices of any type to the functions
 // `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. These functions take
-// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
+// addresses, sizes and strides. The results equal those of Eigen, because eigen_products.cpp calls
 // Eigen's products for matrices with the same storage order.
 //
-// In a product of a real and a complex matrix, the real matrix is converted to complex first: an
-// infinite entry then gives NaN, and not an infinite result as in Eigen.
+// In a product of a real and a complex matrix, the real matrix is first converted to complex. An
+// infinite entry then gives NaN; in Eigen, it gives an infinite result.
 //
-// Products of small matrices of fixed size are not changed: Eigen compiles them in place.
+// Products of small matrices of fixed size are not changed: each source file compiles them.
 //
 // The names of the templates are those of Eigen 3.4. With another version of Eigen, or an
 // instruction set other than that of the library build, this header declares nothing, and each
@@ -70,7 +70,7 @@ void multiply(const Factor<double>& a, const Factor<Complex>& b, Complex scale, 
 void multiply(const Factor<Complex>& a, const Factor<double>& b, Complex scale, bool add,
               const Dense<Complex>& c);
 
-// Computes the same product for column vectors b and c, whose inner strides may differ from 1.
+// Computes the product for column vectors b and c, whose inner strides may differ from 1.
 void multiply_vector(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
                      const Dense<double>& c);
 void multiply_vector(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
@@ -94,7 +94,7 @@ concept Passed =
     Multiplied<typename A::Scalar> && Multiplied<typename B::Scalar> && !(is_map<A> && is_map<B>);
 
 // The parts of an operand of the form scale X, conj(X) or Xᵀ, where X is a matrix in memory. Any
-// other expression is evaluated first.
+// other expression is first evaluated to a matrix.
 template <class Expression>
 struct Operand {
   using Traits = Eigen::internal::blas_traits<Expression>;
@@ -118,8 +118,8 @@ struct Operand<Eigen::Transpose<Nested>> : Operand<std::remove_const_t<Nested>> 
   auto factor() const { return Base::factor().transposed(); }
 };
 
-// Calls `write` with the memory of the result, or of a temporary matrix if the result cannot be
-// written in place.
+// Calls `write` with the memory of the result. If the result cannot be written in place, calls
+// `write` with the memory of a temporary matrix.
 template <class Result, class Write>
 void write_result(Result& result, bool add, bool strides_allowed, const Write& write) {
   using Scalar = typename Result::Scalar;
@@ -149,7 +149,7 @@ void pass_product(Result& result, const A& a, const B& b, Scalar scale, bool add
   });
 }
 
-// Computes the same product if B is a column vector, or if A has only one row a: cᵀ = Bᵀ aᵀ.
+// Computes result (+)= scale A B for a column vector B, or for A with a single row a: cᵀ = Bᵀ aᵀ.
 template <class Result, class A, class B, class Scalar>
 void pass_vector_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
   const Operand<A> left(a);

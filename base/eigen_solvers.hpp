@@ -43,7 +43,7 @@ WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&
 SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 WHEELTAP_SOLVER_INSTANCE template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 
-// Functions that the decompositions of expressions call.
+// Functions that a decomposition calls if its argument is an expression instead of a matrix.
 namespace internal {
 WHEELTAP_SOLVER_INSTANCE template void tridiagonalization_inplace(MatrixXd&, VectorXd&);
 WHEELTAP_SOLVER_INSTANCE template void make_block_householder_triangular_factor(

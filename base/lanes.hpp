@@ -24,8 +24,8 @@ template <class V>
 }
 
 /// Computes exp(x) for |x| <= 700 as 2ᵏ times the Taylor polynomial of exp(r), degree 13, with |r|
-/// <= ½ ln 2. The polynomial has a remainder of at most 4e-18. The relative error of the result is
-/// below 3 units in the last place.
+/// <= ½ ln 2. The polynomial has a remainder of at most 4e-18. The error of the result is below 3
+/// units in the last place.
 template <class V>
 [[gnu::always_inline]] inline V exp(V x) {
   // Adding 1.5·2⁵² stores the nearest integer in the low bits of the mantissa.
@@ -55,7 +55,7 @@ template <class V>
   return x < 0.0 ? -y : y;
 }
 
-/// Computes xⁿ for x >= 0, lane by lane. Lanes with the exponent 1 or 2 are fast.
+/// Computes xⁿ for x >= 0, lane by lane. The computation is fast for the exponents 1 and 2.
 template <class V>
 [[gnu::always_inline]] inline V power(V x, V n) {
   if constexpr (std::is_same_v<V, double>) {

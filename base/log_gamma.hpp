@@ -5,9 +5,9 @@
 
 namespace wheeltap::base {
 
-/// Computes ln |Γ(x)|, the value of std::lgamma. std::lgamma also writes the sign of Γ to a global
-/// variable (signgam of POSIX 2017, lgamma), which is a data race between threads. This function
-/// does not write a global variable and does not return the sign.
+/// Computes ln |Γ(x)|, the value of std::lgamma. std::lgamma also writes the sign of Γ to the
+/// global variable signgam (POSIX 2017, lgamma). This write is a data race between threads. This
+/// function does not write a global variable and does not return the sign.
 [[nodiscard]] inline double log_gamma(double x) {
   int sign = 0;
   return ::lgamma_r(x, &sign);

@@ -76,7 +76,7 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
 
 /// Returns true if the run must stop. In a run with one process, the result is `wish`. In a run
 /// with several ranks, all ranks get the same result. Inside a shared job, the result is true if
-/// `wish` is true or if any rank has requested a stop.
+/// `wish` is true or any rank has requested a stop.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;

@@ -1,5 +1,5 @@
 // Serialisation of the results of jobs for other ranks of the same program. The serialised bytes
-// are not a file format.
+// are not meant for files.
 #pragma once
 
 #include <concepts>

@@ -1,5 +1,5 @@
 // Counter-based random numbers. A random number depends only on seed, chain, iteration, purpose and
-// its position in the stream. The number of threads and other streams have no effect.
+// its index in the stream. It does not depend on the number of threads or on other streams.
 #pragma once
 
 // Philox uses only integer arithmetic. Without R123_USE_SSE = 0, Random123 includes the headers of
@@ -17,7 +17,7 @@
 namespace wheeltap::base {
 
 /// Purpose of a stream of random numbers. The purpose is part of the counter of the stream, so that
-/// streams never overlap.
+/// streams with different purposes never overlap.
 enum class Purpose : std::uint32_t {
   start,
   exploration,
@@ -78,8 +78,8 @@ class Random {
   /// Draws a number with the standard exponential distribution.
   double exponential() { return -std::log(uniform()); }
 
-  /// Draws a number from the gamma distribution with this shape (> 0) and scale 1 (Marsaglia &
-  /// Tsang 2000). For a small shape, the number may underflow to 0.
+  /// Draws a number from the gamma distribution with the shape parameter `shape` (> 0) and scale 1
+  /// (Marsaglia & Tsang 2000). If the shape parameter is small, the number may underflow to 0.
   double gamma(double shape) {
     if (shape < 1.0) {
       const double grown = gamma(shape + 1.0);

@@ -3,8 +3,8 @@
 // Every rank executes the whole program. Each rank does all cheap work and a part of the expensive
 // jobs (base::parallel_for with a Carriage). Then the ranks exchange the results of these jobs.
 // Each rank therefore always has the complete state and needs no other communication. Rank 0 writes
-// the files. If only one rank has some information (a clock, a signal, a result file), a function
-// of this header must distribute it. If not, the ranks might take different branches.
+// the files. A function of this header must distribute information that only one rank has (a clock,
+// a signal, a result file). Otherwise, the ranks might take different branches.
 #pragma once
 
 #include <atomic>
@@ -41,17 +41,17 @@ class Ranks {
 
   /// Calls job(0), …, job(n - 1), each once on one of the ranks, with up to `threads` threads per
   /// rank. The next free thread takes the next job. If jobs fail, all ranks throw the exception of
-  /// the failed job with the lowest index. Ranks that did not run this job repeat the job to obtain
-  /// its exception.
+  /// the failed job with the lowest index. Ranks that did not run the failed job repeat this job to
+  /// obtain its exception.
   virtual void share_out(int n, int threads, const std::function<void(int)>& job,
                          const Carriage& carriage) = 0;
   /// Distributes the bytes of rank 0 to all ranks. On every rank, this function returns the bytes
   /// of rank 0.
   [[nodiscard]] virtual std::string from_first(std::string bytes) = 0;
-  /// Returns true if all ranks call this function with the same bytes.
+  /// Returns true if all ranks call this function with identical bytes.
   [[nodiscard]] virtual bool all_have(const std::string& bytes) = 0;
-  /// Waits until all ranks have called this function. Returns false if some rank has not called it
-  /// within `seconds`.
+  /// Waits until all ranks have called this function. Returns false if a rank has not called
+  /// this function within `seconds`.
   [[nodiscard]] virtual bool meet(double seconds) = 0;
   /// Terminates all ranks at once.
   [[noreturn]] virtual void abort(int exit_code) = 0;

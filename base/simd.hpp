@@ -1,10 +1,10 @@
 // Loops compiled once for each SIMD width and selected at run time.
 // Each loop has its own implementation file. The build compiles this file once for each instruction
 // set; each compilation produces a table of functions. The implementation files use only plain
-// pointers, because the linker might select a library template that is compiled for wide registers,
-// and use this template on all processors. `runnable` returns the tables that this processor can
-// run. All versions of a loop are compiled without fused multiply-add, so their results are
-// identical to the last bit. The tests run each version of a loop.
+// pointers and no library templates: the linker might select a template instance with AVX-512
+// instructions for all processors. `runnable` returns the tables that this processor can run. All
+// versions of a loop are compiled without fused multiply-add, so their results are bitwise equal.
+// The tests run each version of a loop.
 #pragma once
 
 #include <cstdlib>
@@ -56,9 +56,9 @@ struct Compiled {
   const Table* avx512 = nullptr;
 };
 
-/// Returns the function tables that this processor can run, from the narrowest to the widest
-/// registers. If `wanted` is not `automatic`, returns only the table of `wanted`. The list is empty
-/// if `wanted` is not available.
+/// Returns the function tables that this processor can run, by ascending SIMD width. If `wanted` is
+/// not `automatic`, returns only the table of `wanted`. The list is empty if `wanted` is not
+/// available.
 template <class Table>
 [[nodiscard]] std::vector<const Table*> runnable(const Compiled<Table>& compiled,
                                                  Instructions wanted = Instructions::automatic) {

@@ -8,7 +8,7 @@
 
 namespace wheeltap::base {
 
-/// Exit codes of a shell that does not find a program, or that cannot run the program.
+/// Exit codes of a shell for a program that does not exist, and for a program that cannot be run.
 inline constexpr int kProgramNotFound = 127, kNotRunnable = 126;
 
 struct ProgramStart {
@@ -17,8 +17,8 @@ struct ProgramStart {
   std::vector<std::string> words;          ///< arguments; the first is the program's name
   std::vector<std::string> environment{};  ///< "NAME=VALUE"; empty: the environment of this process
   std::string directory = ".";             ///< working directory
-  /// File descriptors of the program's standard input, output and error. This process should have
-  /// opened the descriptors with O_CLOEXEC.
+  /// File descriptors of the program's standard input, output and error. This process should open
+  /// these descriptors with O_CLOEXEC.
   int input, output, error;
 };
 

@@ -12,11 +12,12 @@
 namespace wheeltap::dynamics {
 
 /// A link between the masses a and b. Mass 0 is the ground or the moving base; mass 1 is the first
-/// moving mass. With the extension e = y_b - y_a (opening: e > 0), the tension of the link,
+/// moving mass. The extension of the link is e = y_b - y_a (opening: e > 0). The tension of the
+/// link is
 ///
 ///   T(e, ė) = stiffness · e + damping · ė + Σ laws
 ///
-/// pulls a towards b. The force is +T on a and -T on b.
+/// A positive tension pulls a towards b: the force is +T on a and -T on b.
 struct Link {
   int a = 0;
   int b = 1;
@@ -62,19 +63,19 @@ struct Rates {
 };
 
 /// Computes Gershgorin's bounds of the rates from the rows of M⁻¹ K and M⁻¹ C. Each force law
-/// enters with its largest slope for extensions up to `extension[link]` [m]. If `extension` is
-/// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for
-/// one mass. `paces` computes the rates that grow with the speed of a link.
+/// contributes its largest slope at extensions up to `extension[link]` [m]. If `extension` is
+/// empty, the extensions are 0, and a cubic spring does not contribute. The bounds are exact for a
+/// chain of one mass. For rates that grow with the speed |ė|, see `paces`.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 
-/// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
+/// True if the chain has a force law whose rates grow with the velocity |ė| (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes, for each link, the increase of the rates per unit of the speed of the link [1/m]. At
-/// the speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s],
-/// with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). Here, a rate is a damping rate
-/// (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
+/// Computes, for each link, by how much the rates increase per unit of the velocity |ė| of the link
+/// [1/m]. A rate is a damping rate (an eigenvalue of M⁻¹ C) or the rate of the internal state of a
+/// law. At the speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link|
+/// [1/s], with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed).
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

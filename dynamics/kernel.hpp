@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::kernel {
 
-// The loops use only plain arrays. With library code, the linker could select functions compiled
-// for AVX-512 and use them on every processor.
+// The loops use only plain arrays. With library code, the linker could select functions with
+// AVX-512 instructions for every processor.
 
 struct LawTerm {
   int kind = 0;
@@ -19,7 +19,7 @@ struct LawTerm {
 struct LinkTerm {
   int a = 0, b = 0;
   int slot = 0;       ///< slot of the stiffness; the next slot holds the damping
-  int pace_slot = 0;  ///< slot of the pace [1/m]: rate of the force laws per unit of link speed
+  int pace_slot = 0;  ///< slot of the pace [1/m]: rate of the force laws per unit link velocity
                       ///< (`paces`)
   int law_begin = 0, law_end = 0;
   bool turning = false;  ///< true if the link has a force law with memory (not smooth at ė = 0)
@@ -36,8 +36,8 @@ struct DriveTerm {
 struct SensorTerm {
   int mass = 0;
   int quantity = 0;              ///< order of the time derivative of the displacement
-  const double* base = nullptr;  ///< base motion, one value per sample of the excitation; null for
-                                 ///< a sensor of relative motion
+  const double* base = nullptr;  ///< base motion, one value per sample of the excitation;
+                                 ///< null: relative motion
   int base_slot = 0;             ///< scale, offset
   const double* observed = nullptr;
   int slot = 0;  ///< slot of scale and offset of the observed signal

@@ -1,5 +1,5 @@
-// The time loops over vectors of parameter sets. Each kernel_*.cpp includes this file and first
-// defines
+// The time-stepping loops; a SIMD vector holds several parameter sets. Each kernel_*.cpp includes
+// this file and first defines
 //   WHEELTAP_KERNEL        its own namespace, so that no two instruction sets share a symbol,
 //   WHEELTAP_KERNEL_TABLE  the name of its table of functions (base/simd.hpp),
 //   WHEELTAP_LANES         the number of doubles in a vector.

@@ -34,8 +34,8 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// Role of a coefficient in its force law. The role and the motion of the link determine the order
-/// of magnitude of the coefficient.
+/// Role of a coefficient in its force law. The role and the amplitudes of e and ė determine the
+/// order of magnitude of the coefficient.
 struct LawRole {
   enum class Kind {
     other,      ///< order of magnitude unknown
@@ -74,7 +74,7 @@ struct LawCoefficient {
   }
 };
 
-/// Description of a force law. Coefficients are listed in the order in which the functions of the
+/// Description of a force law. The list of coefficients has the order in which the functions of the
 /// law read them.
 struct LawInfo {
   std::string_view name;     ///< key of the law in a case file
@@ -82,10 +82,10 @@ struct LawInfo {
   std::string_view description;  ///< meaning of the law, as a phrase
   std::string_view notes = {};   ///< further advice, in whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
-  bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", T = -T_open(-e,
-                           ///< -ė) for side = "closing"
+  bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", and
+                           ///< T = -T_open(-e, -ė) for "closing"
   bool memory = false;     ///< true: the law has an internal state
-  bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
+  bool paced = false;      ///< the law has rates that grow with |ė| (Slopes)
 
   [[nodiscard]] constexpr int size() const {
     int n = 0;
@@ -95,7 +95,7 @@ struct LawInfo {
 };
 
 /// Upper bounds of the slopes of a force law for |e| <= e_max, for the choice of the time step. A
-/// paced force law also sets the growth of the slopes with |ė|.
+/// force law with rates that grow with |ė| (LawInfo::paced) also sets the `…_per_speed` members.
 struct Slopes {
   double stiffness = 0.0;  ///< |∂T/∂e| [N/m]
   double damping = 0.0;    ///< |∂T/∂ė| at ė = 0, or an upper bound of |∂T/∂ė| [N s/m]
@@ -103,7 +103,7 @@ struct Slopes {
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
-/// A list of types: the force laws.
+/// A list of the types of the force laws.
 template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));

@@ -32,9 +32,9 @@ inline constexpr bool kFriction = requires(const double* c) {
 
 /// True if a force law is exact dry friction, that is if its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// True if a creep speed that is given by a parameter is 0 at these coefficients. Coefficients with
-/// creep speed 0 are infeasible. The integrators do not locate the stick-slip events of regularised
-/// friction, so no time step would be short enough.
+/// True if the creep speed is a parameter and has the value 0 in these coefficients, which are then
+/// infeasible. The integrators do not locate the stick-slip events of regularised friction, so no
+/// time step would be short enough.
 [[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
 /// True if the coefficients `c` (in SI units) are feasible for a force law. Each coefficient must

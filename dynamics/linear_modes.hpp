@@ -20,8 +20,8 @@ struct LinearMode {
 ///
 /// in order of frequency, from the complex pairs of eigenvalues of [0 1; -M⁻¹K -M⁻¹C]. Only the
 /// linear stiffness and damping of the links are used. Contact springs with a gap and power laws of
-/// the extension have no stiffness at rest. Friction and hysteresis are ignored. Motions without
-/// oscillation (rigid, overdamped, unstable at rest) are omitted. Masses must be > 0.
+/// the extension have no stiffness at rest. Friction and hysteresis are ignored. Modes without
+/// oscillation (rigid-body, overdamped, unstable) are omitted. Masses must be > 0.
 [[nodiscard]] std::vector<LinearMode> linear_modes(const Chain& chain,
                                                    std::span<const double> theta);
 

@@ -1,5 +1,5 @@
-// Simulation of the response of a chain to measured or prescribed excitation, and the misfit to a
-// measured response.
+// Simulation of the response of a chain to measured or prescribed excitation; misfit of this
+// response to a measured one.
 #pragma once
 
 #include <memory>
@@ -33,7 +33,7 @@ struct Force {
 /// not given, the acceleration is the second derivative of the natural cubic spline through the
 /// displacement. This acceleration is linear between samples, like every excitation. The
 /// displacement is the exact double integral of this acceleration. The displacement [m] and the
-/// velocity of the spline also serve to convert relative to absolute motion. The offset of the
+/// velocity of the spline are also used to convert relative to absolute motion. The offset of the
 /// displacement signal affects only predicted absolute displacements.
 struct BaseMotion {
   Signal acceleration = {};
@@ -61,16 +61,16 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `runge_kutta` if the number of substeps is fixed. If not, selects the first that
-  /// applies: `exact` or `piecewise`, if the chain allows it; `series`, if a force law switches, a
-  /// link sticks and slips, or prefer_series is set; `runge_kutta`.
+  /// Selects `runge_kutta` for a fixed number of substeps. For 0 substeps, selects `exact` or
+  /// `piecewise` if the chain allows it. Otherwise, selects `series` if a force law switches, a
+  /// link sticks and slips, or prefer_series is set; in all other cases, `runge_kutta`.
   automatic,
   /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
   /// comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
   /// For chains with at most four nonlinear force laws, all bilinear or contact. Uses the exact
-  /// solution for samples without a switch, and series for samples with a switch.
+  /// solution in sample intervals without a switch, and Taylor series in the others.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
   /// switching times. Supports bilinear, contact, quadratic and cubic laws and exact friction.
@@ -93,26 +93,27 @@ struct SimulatorOptions {
   /// simulator selects the number for every parameter vector. The selected number is the smallest
   /// of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ h <= min(1, 5 step_limit), where
   /// ω and γ are the upper bounds that stiffest_rates returns. For force laws whose rate grows with
-  /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
-  /// the rate and a time step is at most 1 and at most 5 step_limit. The number of these steps per
-  /// sample is at most kMaxPacedSubsteps. If a parameter vector needs more steps, its simulation
-  /// fails. For `series` and `piecewise`, this option is the number of series expansions per
-  /// sample; ω h and γ h are at most 0.7 and 3.5 step_limit.
+  /// |ė| (LawInfo::paced), the steps are shorter at high velocities: the product of the rate and a
+  /// time step is at most 1 and at most 5 step_limit. The number of these steps per sample is at
+  /// most kMaxPacedSubsteps. If a parameter vector needs more steps, its simulation fails. For
+  /// `series` and `piecewise`, this option is the number of series expansions per sample. A number
+  /// selected by the simulator limits ω h and γ h to the smaller of 0.7 and 3.5 step_limit.
   int substeps = 0;
   /// Limit of ω h, with the bound ω of the natural frequencies [rad/s] and the time step h [s]. A
   /// time step of this length multiplies a frequency ω by 1 - (ω h)⁴/120 and adds the numerical
   /// damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
-  /// Factor set by Simulator::refined. The simulator makes at least `refinement` times as many
-  /// steps as the original simulator, whose step limit was `refinement` times as large.
+  /// Factor set by Simulator::refined. The step limit of the original simulator was `refinement`
+  /// times as large. The refined simulator makes at least `refinement` times as many steps as the
+  /// original simulator.
   int refinement = 1;
-  /// The extension [m] of each link up to which stiffest_rates considers nonlinear force laws. If
-  /// the list is empty, this extension is 0.
+  /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws. If
+  /// the list is empty, the extensions are 0.
   std::vector<double> extension = {};
   /// Every `stride`-th sample of the excitation is also a sample of the response. Set this option
   /// for an excitation that was upsampled by the factor `stride`.
   int stride = 1;
-  /// Limit of displacements relative to the base [m]. A trajectory beyond this limit has diverged.
+  /// Limit of displacements relative to the base [m]. Larger displacements count as divergence.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
@@ -138,9 +139,9 @@ struct Response {
 [[nodiscard]] bool has_series(const Chain& chain);
 
 /// A simulator of one chain for many parameter vectors. Forces and base acceleration are linear
-/// between samples (first-order hold). The initial state is the state at the first sample.
-/// Accelerations follow from the equation of motion at each sample. The simulator is immutable, and
-/// any number of threads may share it.
+/// between samples (first-order hold). The initial state applies at the first sample. Accelerations
+/// follow from the equation of motion at each sample. The simulator is immutable, and any number of
+/// threads may share it.
 class Simulator {
  public:
   /// Throws std::invalid_argument for an invalid chain, masses that do not exist, the exact
@@ -161,8 +162,8 @@ class Simulator {
   /// solution, -1 for infeasible parameters.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
-  /// Returns a copy of this simulator with time steps that are shorter by the factor `factor`, to
-  /// estimate the truncation error. Throws std::invalid_argument if fixed substeps would exceed
+  /// Returns a copy of this simulator with time steps divided by `factor`, to estimate the
+  /// truncation error. Throws std::invalid_argument if fixed substeps would exceed
   /// kMaxSubsteps.
   [[nodiscard]] Simulator refined(int factor) const;
   /// Returns a simulator of the same chain and excitation with other sensors and options.
@@ -190,7 +191,7 @@ class Misfit {
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
-  /// Returns the misfit of the refined simulator (Simulator::refined) to the same data.
+  /// Returns a Misfit with the same data and the refined simulator (Simulator::refined).
   [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< number of residuals per channel
@@ -222,8 +223,9 @@ class Misfit {
   /// `out` undefined, if the trajectory fails.
   [[nodiscard]] bool residuals(std::span<const double> theta, std::span<double> out) const;
   /// Computes the residuals of `sets` parameter vectors, stored one after the other in `thetas` and
-  /// in `out`. For a failed trajectory, done[set] is 0, and the residuals of this vector in `out`
-  /// are undefined. Like sums_of_squares, this function integrates several vectors in SIMD lanes.
+  /// in `out`. If the trajectory of a parameter vector fails, done[set] is 0, and the residuals of
+  /// this vector in `out` are undefined. Like sums_of_squares, this function integrates several
+  /// vectors in SIMD lanes.
   void residuals(std::span<const double> thetas, int sets, std::span<double> out,
                  std::span<char> done) const;
   /// True if a residual depends on entry `parameter` of the parameter vector.

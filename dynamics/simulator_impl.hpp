@@ -30,8 +30,8 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// pair, the smaller index is first.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// Step limit (of ω h) for which the limit of γ h is 1, where γ is a damping rate. For a lower step
-/// limit, the limit of γ h is proportionally lower.
+/// Step limit (of ω h) for which the limit of γ h is 1, where γ is a damping rate. Below this step
+/// limit, the limit of γ h is proportional to the step limit.
 inline constexpr double kUsualStepLimit = 0.2;
 
 /// Time-step parameters, which are equal for all parameter vectors of a group.
@@ -41,7 +41,7 @@ struct Key {
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// The key of a parameter vector that would need more than kMaxSubsteps steps per sample.
+/// Marks a parameter vector that would need more than kMaxSubsteps steps per sample.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
 /// Outcome for one parameter vector, and the lane of this vector in the memory of `task`.
@@ -101,10 +101,10 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Integrates the parameter vectors in groups; the vectors of a group have equal keys. Calls
+  /// Integrates the parameter vectors in groups with equal time-step parameters (Key). Calls
   /// receive(lane, task) for each parameter vector after the integration of its group. If `sums` is
   /// false, task.trajectory holds the trajectory. `weights` (per vector and sensor) and `limits`
-  /// (per vector) have the meaning of kernel::Task::weights, or are empty.
+  /// (per vector) are as in kernel::Task, or empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,

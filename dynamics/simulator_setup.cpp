@@ -114,9 +114,9 @@ void Simulator::Impl::check() {
     fail(std::to_string(options.extension.size()) + " extensions, must be one per link (" +
          std::to_string(chain.links.size()) + ")");
   if (options.integrator == Integrator::exact && !chain.is_linear())
-    fail("the exact solution needs a chain without nonlinear laws");
+    fail("the exact solution needs a chain without nonlinear force laws");
   if (options.integrator == Integrator::series && !has_series(chain))
-    fail("series need a chain whose laws are powers of the extension (on at most " +
+    fail("Taylor series need a chain whose force laws are powers of the extension (at most " +
          std::to_string(kernel::kMaxPolynomials) + " links), bilinear or contact (at most " +
          std::to_string(kernel::kMaxThresholds) + "), or exact friction");
   if (detail::frictions(chain).size() > kernel::kMaxFrictions)
@@ -202,7 +202,7 @@ void Simulator::Impl::compile() {
     links.push_back(term);
   }
   if (memories > kernel::kMaxMemories)
-    fail(std::to_string(memories) + " laws with memory, must be at most " +
+    fail(std::to_string(memories) + " force laws with memory, must be at most " +
          std::to_string(kernel::kMaxMemories));
 
   for (const Force& force : excitation.forces)

@@ -25,11 +25,11 @@ enum class Additive {
 
 /// A second-order cut high-dimensional model representation (cut-HDMR; Rabitz & Alış 1999, General
 /// foundations of high-dimensional model representations, section 3). The reference is the
-/// structure without components. For components c_1 … c_k with m factors each and g the additive
-/// quantity of a response,
+/// structure without components. Let g be the additive quantity of a response, and G_1 and G_2 its
+/// values for one and for two components. For components c_1 … c_k with m factors each,
 ///   g(c_1…c_k) ≈ g_0 + Σ_i g_i + Σ_{i<j} g_ij,
-///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,
-/// where G_1 and G_2 are the values for one and for two components. The sum is
+///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0.
+/// The sum is
 ///   g ≈ Σ_{i<j} G_2(c_i, c_j) - (k - 2) Σ_i G_1(c_i) + ½ (k - 1)(k - 2) g_0.
 /// For up to two components, the prediction is as accurate as G_1 and G_2. For three and more
 /// components, the terms of third and higher order are neglected; `validate` measures the error.
@@ -42,10 +42,10 @@ class AnovaEmulator {
   AnovaEmulator(std::vector<double> baseline, std::size_t factors_per_component, Predictor single,
                 Predictor pair, Additive additive = Additive::response);
 
-  /// Predicts the responses for k >= 0 components. `x` holds k m values, component after component.
-  /// A predicted response is NaN if no response has the predicted additive quantity (for example a
-  /// negative square). Throws std::invalid_argument if the size is not a multiple of m, and the
-  /// exceptions of `single` and `pair`.
+  /// Predicts the responses for k >= 0 components. `x` holds the m factors of each component, k m
+  /// values in total. A predicted response is NaN if no response has the predicted additive
+  /// quantity (for example a negative square). Throws std::invalid_argument if the size is not a
+  /// multiple of m, and the exceptions of `single` and `pair`.
   void evaluate(std::span<const double> x, std::span<double> out) const;
 
   [[nodiscard]] std::size_t responses() const { return baseline_.size(); }

@@ -13,13 +13,13 @@ namespace wheeltap::emulator {
 
 /// An interpolant that is continuous, and linear on every simplex of the Delaunay triangulation of
 /// the runs. The triangulation uses the factors' scale coordinates, with each range mapped to [0,
-/// 1]. In the simplex with vertices v_0 … v_d that contains x, f(x) = Σ λ_i f(v_i), Σ λ_i v_i = x,
-/// Σ λ_i = 1, λ_i >= 0. The interpolant is exact at the runs, and reproduces functions that are
-/// linear in the scale coordinates. The error is of second order in the distance between runs. CGAL
-/// triangulates with exact predicates. The search for the simplex that contains x starts from a
-/// nearby simplex and steps through adjacent simplices (Devillers, Pion & Teillaud 2002, Walking in
-/// a triangulation). The search uses floating-point arithmetic and does not allocate memory.
-/// Several threads may call `evaluate` at once.
+/// 1]. Let v_0 … v_d be the vertices of the simplex that contains x. Then f(x) = Σ λ_i f(v_i), with
+/// Σ λ_i v_i = x, Σ λ_i = 1 and λ_i >= 0. The interpolant is exact at the runs, and reproduces
+/// functions that are linear in the scale coordinates. The error is of second order in the distance
+/// between runs. CGAL triangulates with exact predicates. The search for the simplex that contains
+/// x starts from a nearby simplex and steps through adjacent simplices (Devillers, Pion & Teillaud
+/// 2002, Walking in a triangulation). The search uses floating-point arithmetic and does not
+/// allocate memory. Several threads may call `evaluate` at once.
 class DelaunayInterpolant final : public Interpolant {
  public:
   /// Largest number of factors. The number of simplices grows steeply with the number of factors.
@@ -30,7 +30,7 @@ class DelaunayInterpolant final : public Interpolant {
   /// points outside the factors' ranges, duplicate points and values that are not finite. Also
   /// throws std::invalid_argument for fewer than d + 1 points, and for points that all lie in a
   /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors:
-  /// the corners of a cell lie on a sphere, so their triangulation is arbitrary. For grids, use
+  /// the corners of a cell lie on a sphere, so the triangulation is not unique. For grids, use
   /// MultilinearInterpolant.
   DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
 

@@ -15,8 +15,8 @@ namespace wheeltap::emulator {
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The strictly monotone transformation s(x) of one factor. Interpolants use the coordinate s. A
-/// natural frequency is nearly linear in the compliance of a damage, s(r) = 1/(1-r). With few
-/// levels of a stiffness reduction r, interpolation in s is therefore far more accurate than in r.
+/// natural frequency is nearly linear in the compliance s(r) = 1/(1-r) for a stiffness reduction r.
+/// With few levels of r, interpolation in s is therefore far more accurate than interpolation in r.
 enum class Scale {
   linear,      ///< s = x
   compliance,  ///< s = 1/(1-x), x < 1: x is a stiffness reduction
@@ -47,7 +47,8 @@ struct Factor {
 
 /// Checks the factors of a design. At least one factor must be given; names must be unique and not
 /// empty. Every factor must have at least `least_levels` finite, strictly increasing levels for
-/// which its scale is defined. If not, throws std::invalid_argument, naming the factor.
+/// which its scale is defined. Throws std::invalid_argument, naming the factor, if a condition is
+/// not met.
 void check_factors(const std::vector<Factor>& factors, std::size_t least_levels = 2);
 
 /// True if x has one value per factor, and each value is within the range of its factor (false for
@@ -79,15 +80,15 @@ struct Design {
 [[nodiscard]] Design random_design(std::vector<Factor> factors, Eigen::Index n, std::uint64_t seed);
 
 /// Creates a Latin hypercube design. The range of each factor is divided into n equal parts (in its
-/// scale), and the middle of each part is used once. Exchanges of values within columns then
-/// minimise φ_p = (Σ_{i<j} d_ij^-p)^(1/p), p = 15, with the distances d between points in the unit
-/// cube. For p → ∞, this criterion is the maximin distance (Morris & Mitchell 1995, Exploratory
-/// designs for computational experiments, section 3).
+/// scale), and the middle of each part occurs once in the design. Exchanges of values within
+/// columns then minimise φ_p = (Σ_{i<j} d_ij^-p)^(1/p), p = 15, with the distances d between points
+/// in the unit cube. For p → ∞, this criterion is the maximin distance (Morris & Mitchell 1995,
+/// Exploratory designs for computational experiments, section 3).
 [[nodiscard]] Design latin_hypercube(std::vector<Factor> factors, Eigen::Index n,
                                      std::uint64_t seed);
 
-/// Creates the design of the first n points of Sobol's sequence (Joe & Kuo's direction numbers,
-/// from Boost) on the box of the factors' ranges. The points are uniform in the scale of each
+/// Creates a design from the first n points of Sobol's sequence on the box of the factors' ranges
+/// (direction numbers of Joe & Kuo, from Boost). The points are uniform in the scale of each
 /// factor; a random digital shift is drawn with `seed`.
 [[nodiscard]] Design sobol(std::vector<Factor> factors, Eigen::Index n, std::uint64_t seed);
 

@@ -22,7 +22,7 @@ struct ExperimentOptions {
   /// Journal: a file of finished model runs (empty: no journal). Runs in an existing file are
   /// reused. After the last run, the file remains; the caller removes it after storing the result.
   std::filesystem::path journal = {};
-  /// Text that, with the design, identifies the experiment in the journal, for example the case.
+  /// Text, e.g. the case. In the journal, this text and the design identify the experiment.
   std::string identity = {};
   /// Callback, called after each run with the number of finished runs and the number of all runs.
   /// Calls are serialised. Runs of other ranks are counted after every 5 % of the design.
@@ -49,10 +49,10 @@ class RunError : public std::runtime_error {
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
 
-/// Returns a part of a design, to divide the work between machines. The part contains every run
-/// whose index i has i mod `parts` = `part`: with 3 parts, part 1 contains the runs 1, 4, 7, … (all
-/// indices start at 0). Throws std::invalid_argument unless 0 <= part < parts and the part has a
-/// run.
+/// Returns a part of a design, to divide the work between machines. The part contains every run i
+/// with i mod `parts` = `part`. Example: with 3 parts, part 1 contains the runs 1, 4, 7, … (all
+/// indices start at 0). Throws std::invalid_argument unless 0 <= part < parts, and for a part
+/// without runs.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

@@ -43,14 +43,14 @@ struct LogLikelihood {
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
   /// If true, all responses have the same correlation lengths; an evaluation then takes as long as
-  /// that of one response. If false, each response has its own correlation lengths. Separate
-  /// lengths give more accurate predictions if responses oscillate with different wavelengths.
+  /// for one response. If false, each response has its own correlation lengths. Separate lengths
+  /// give more accurate predictions if responses oscillate with different wavelengths.
   bool shared_lengths = false;
-  /// If true, the nugget is fitted too, for runs with noise. If false, the nugget is the smallest
-  /// value that keeps R positive definite, and the process interpolates the runs.
+  /// If true, the nugget is also fitted, for model runs with noise. If false, the nugget is the
+  /// smallest value that keeps R positive definite, and the process interpolates the runs.
   bool infer_nugget = false;
   /// Largest number of runs in the fit of the correlation lengths (drawn with `seed`). The run time
-  /// of the fit grows with the cube of this number. The process itself uses all runs.
+  /// of a fit to n runs is O(n³). The predictions of the Gaussian process use all runs.
   Eigen::Index most_fitted_runs = 400;
   int most_iterations = 60;  ///< limit of the quasi-Newton search
   int threads = 1;
@@ -59,17 +59,17 @@ struct GaussianProcessOptions {
 
 /// Ordinary Kriging with a constant mean β. For each response,
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
-/// (the last term is the uncertainty of β; Rasmussen & Williams 2006, section 2.7). A nugget of at
-/// least 1e-12 (Matérn) or 1e-8 (squared exponential) keeps R positive definite. The nugget is
-/// multiplied by ten until the factorisation of R succeeds. Several threads may call `evaluate` at
-/// once.
+/// (Rasmussen & Williams 2006, section 2.7). The last term of the variance is due to the
+/// uncertainty of β. A nugget of at least 1e-12 (Matérn) or 1e-8 (squared exponential) keeps R
+/// positive definite. The nugget is multiplied by ten until the factorisation of R succeeds.
+/// Several threads may call `evaluate` at once.
 class GaussianProcess final : public Interpolant {
  public:
   /// Fits the correlation lengths (and the nugget) to the runs by maximum marginal likelihood. A
   /// quasi-Newton search with the analytic gradient starts from the best of several initial values,
-  /// each with the same length for all factors. `points` (runs × factors) must lie in the factors'
-  /// ranges. Throws std::invalid_argument for fewer than two runs, shapes that disagree, points
-  /// outside the ranges or values that are not finite.
+  /// each with the same correlation length for all factors. `points` (runs × factors) must lie in
+  /// the factors' ranges. Throws std::invalid_argument for fewer than two runs, sizes that
+  /// disagree, points outside the ranges or values that are not finite.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 

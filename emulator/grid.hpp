@@ -16,7 +16,7 @@ struct GridAxis {
   std::ptrdiff_t stride;            ///< number of doubles from one level to the next
 
   /// Returns the cell that contains s, for s within the range. The result is the index (from 0) of
-  /// the lower level of the cell, at most the number of levels - 2.
+  /// the lower level of the cell; it is at most the number of levels minus 2.
   [[nodiscard]] std::ptrdiff_t cell(double s) const {
     return std::upper_bound(coordinates.begin() + 1, coordinates.end() - 1, s) -
            coordinates.begin() - 1;

@@ -43,7 +43,7 @@ std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth
   };
   if (truth.rows() < 1 || !alike(mean) || !alike(variance))
     throw std::invalid_argument(
-        "standardised residuals: the matrices are empty or have different shapes");
+        "standardised residuals: the matrices are empty or have different sizes");
   std::vector<StandardisedResiduals> out;
   for (Eigen::Index k = 0; k < truth.cols(); ++k) {
     double n = 0, sum = 0, squares = 0, beyond = 0;

@@ -16,17 +16,17 @@ struct HoldoutError {
   /// Returns rmse / spread: 0 for an exact emulator, 1 for a prediction by the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
   /// True if Q² < 0.9, that is rmse/spread > 0.32. The RMS error is then about a third of the
-  /// standard deviation of the response, or more. A difference of one standard deviation between
-  /// two responses is then only two to three standard errors of the emulator. Sensitivity studies
-  /// also require emulators with Q² ≥ 0.9.
+  /// standard deviation of the response, or more. If two responses differ by one standard deviation
+  /// of the response, the difference is then only two to three standard errors of the emulator.
+  /// Sensitivity studies also require emulators with Q² ≥ 0.9.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
 
 /// Computes the errors of each response from the model's values and the predictions (runs ×
-/// responses each). If a response does not vary, Q² is 1 for an error within rounding (1e-12 of the
-/// response) and -∞ for a larger error. Throws std::invalid_argument unless both matrices have the
-/// same size and at least two runs.
+/// responses each). If a response has the same value in all runs, Q² is 1 for a rounding error (at
+/// most 1e-12 of the response) and -∞ for a larger error. Throws std::invalid_argument unless both
+/// matrices have the same size and at least two runs.
 [[nodiscard]] std::vector<HoldoutError> holdout_error(const RowMatrix& truth,
                                                       const RowMatrix& predicted);
 
@@ -50,7 +50,7 @@ struct StandardisedResiduals {
 /// A function with the interface of a model, for example the function `evaluate` of an emulator.
 using Predictor = std::function<void(std::span<const double> point, std::span<double> response)>;
 
-/// Computes the predictions at every point of a design: runs × responses.
+/// Computes the predictions at every point of a design, as a matrix of runs × responses.
 [[nodiscard]] RowMatrix predict(const Predictor& predictor, const Design& design,
                                 Eigen::Index responses);
 

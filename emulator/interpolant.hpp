@@ -1,5 +1,5 @@
-// Interpolants of the runs of a table, and the description of each interpolant type: its name in a
-// case file, the layout of runs that it accepts, and its training function.
+// Interpolants of the runs of a table, and the description of each interpolant type: name in a case
+// file, accepted layout of the runs, and training function.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace wheeltap::emulator {
 
-/// Leave-one-out predictions: each run is predicted from all other runs.
+/// Leave-one-out predictions: the prediction of each run is based on all other runs.
 struct LeaveOneOut {
   RowMatrix mean;      ///< runs × responses
   RowMatrix variance;  ///< variance of the prediction, including the noise of the run
@@ -68,7 +68,7 @@ struct InterpolantType {
   Runs runs = Runs::grid;  ///< accepted layout; types for scattered points also accept a grid
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
   /// True if the domain is the convex hull of the runs instead of the whole box of the factors. For
-  /// these types, the corners of the box are added to designs.
+  /// these types, a design of experiments also contains the corners of this box.
   bool within_hull = false;
   bool slow = false;          ///< an evaluation takes hundreds of microseconds instead of a few
   bool has_variance = false;  ///< the interpolant computes the variance of its error

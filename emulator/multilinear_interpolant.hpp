@@ -13,8 +13,8 @@ namespace wheeltap::emulator {
 /// separately. Evaluations do not allocate memory. Several threads may call `evaluate` at once.
 class MultilinearInterpolant final : public Interpolant {
  public:
-  /// Largest number of factors. The limit is necessary because the 2^d weights of the corners are
-  /// stored on the stack.
+  /// Largest number of factors. The number d of factors is limited because the 2^d weights of the
+  /// corners of a grid cell are stored on the stack.
   static constexpr std::size_t kMostFactors = 12;
 
   /// `values` has the size runs × responses, with rows in the order of `full_factorial(factors)`.

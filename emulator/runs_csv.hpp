@@ -14,12 +14,12 @@
 
 namespace wheeltap::emulator {
 
-/// The response columns of a CSV file of model runs. A column name is one name for all responses,
-/// followed by the number of the response: "f1", "f2", … or "frequency[1]", "frequency[2]", ….
+/// The response columns of a CSV file of model runs. A column name is the common name of all
+/// responses, followed by the response number: "f1", "f2", … or "frequency[1]", "frequency[2]", ….
 struct ResponseColumns {
   std::string name;  ///< name of the responses in the table
   /// Factor by which the numbers of a column are multiplied; empty for a unit that cannot be
-  /// converted. Without this function, all columns must have the same unit.
+  /// converted. If `factor` is not set, all columns must have the same unit.
   std::function<std::optional<double>(const io::Column&)> factor = {};
   std::string unit = {};   ///< unit of the converted numbers; used with `factor`
   std::string units = {};  ///< units that `factor` converts, for messages
@@ -29,17 +29,17 @@ struct ResponseColumns {
 /// contains the names of the columns, with or without units in brackets ("location [m],reduction,f1
 /// [Hz],f2 [Hz]"); every further line is a run. Empty lines are ignored. `factors` names the input
 /// columns and gives the order of the factors in the table. All other columns are responses; the
-/// numbers in their names give their order in the table. A factor without levels gets the range of
-/// its column. For a factor with levels, every value must lie in the range of the levels. If a
-/// factor and its column both have a unit, the units must agree. The result is a table of scattered
-/// runs. `name` is the file's name in messages.
+/// numbers in the column names give the order of the responses in the table. A factor without
+/// levels gets the range of its column. For a factor with levels, every value must lie in the range
+/// of the levels. If a factor and its column both have a unit, the units must agree. The result is
+/// a table of runs at scattered points. `name` is the file's name in messages.
 ///
 /// Throws FileError (corrupt), with line and column, for a cell that is not a finite number, a row
 /// with too few cells, a duplicate name and an unknown factor. Also throws FileError (corrupt) for
 /// a response without a number, with a name that differs from that of other responses, or with a
-/// unit that cannot be converted, and for response numbers other than 1, 2, …, n. Also throws
-/// FileError (corrupt) for a value outside the range of its factor, a duplicate point, or a file
-/// without runs.
+/// unit that cannot be converted. The response numbers must be 1, 2, …, n. Also throws FileError
+/// (corrupt) for a value outside the range of its factor, a duplicate point, or a file without
+/// runs.
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const ResponseColumns& responses);
 
@@ -47,8 +47,8 @@ struct ResponseColumns {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const ResponseColumns& responses);
 
-/// Converts scattered runs to a grid if their points are all combinations of the factors' values,
-/// and each combination occurs once. For any other points, returns std::nullopt.
+/// Converts runs at scattered points to a grid if the points contain each combination of the
+/// factors' values exactly once. For any other points, returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

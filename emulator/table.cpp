@@ -36,7 +36,7 @@ void put_run(RowMatrix& values, Eigen::Index row, const Table& b, Eigen::Index f
              const std::string& where) {
   if (b.values.row(from).hasNaN()) return;
   if (!values.row(row).hasNaN() && values.row(row) != b.values.row(from))
-    throw std::invalid_argument(where + ": two parts have different values of run " +
+    throw std::invalid_argument(where + ": two parts have different values for run " +
                                 std::to_string(from));
   values.row(row) = b.values.row(from);
 }

@@ -13,7 +13,7 @@ namespace wheeltap::emulator {
 /// A table of model runs on a full-factorial grid, or at scattered points.
 struct Table {
   std::vector<Factor> factors;  ///< levels of the grid, or range of the scattered points
-  RowMatrix points;             ///< runs × factors for scattered runs; empty for a grid
+  RowMatrix points;             ///< runs × factors for scattered points; empty for a grid
   std::string response_name;    ///< for example "frequency"
   std::string response_unit;    ///< for example "Hz"
   /// Runs × responses, rows in the order of `design()`; a row of NaN marks a missing run.
@@ -43,12 +43,13 @@ struct TableFile {
   std::map<std::string, Table> tables;
 };
 
-/// Merges the parts (shards) of a design that several machines have computed. The result contains
-/// the runs of all shards. Hold-out errors, parameters and attributes of tables are kept only if
-/// they are equal in all shards. Scattered runs are concatenated without duplicates. Throws
-/// std::invalid_argument for an empty list of shards. Throws std::invalid_argument if the
-/// attributes "case" or "fingerprint", the tables, the factors or the responses of the shards
-/// differ. Throws std::invalid_argument if two shards have different values of the same run.
+/// Merges the parts (shards) of a design whose runs were made on several machines. The result
+/// contains the runs of all shards. Hold-out errors, parameters and attributes of tables are kept
+/// only if they are equal in all shards. Runs at scattered points are concatenated without
+/// duplicates. Throws std::invalid_argument for an empty list of shards. Throws
+/// std::invalid_argument if the attributes "case" or "fingerprint", the tables, the factors or the
+/// responses of the shards differ. Throws std::invalid_argument if two shards have different values
+/// for the same run.
 [[nodiscard]] TableFile merge(std::span<const TableFile> shards);
 
 }  // namespace wheeltap::emulator

@@ -149,7 +149,7 @@ struct Reader {
   }
 
   void check(int status, const std::string& what) const {
-    if (status != NC_NOERR) fail("damaged table file: " + what + ": " + nc_strerror(status));
+    if (status != NC_NOERR) fail("corrupt table file: " + what + ": " + nc_strerror(status));
   }
 
   std::string text(int group, int variable, const char* name) const {
@@ -261,7 +261,7 @@ struct Reader {
       doubles(group, id, f.levels.size(), f.levels.data());
       t.factors.push_back(std::move(f));
     }
-    if (scattered && axes.size() != 2) fail("a table of scattered runs has grid dimensions");
+    if (scattered && axes.size() != 2) fail("a table of scattered points has grid dimensions");
     if (scattered) t.points.resize(static_cast<Eigen::Index>(runs), 0);
     const std::size_t responses = length(group, axes.back());
     t.values.resize(static_cast<Eigen::Index>(runs), static_cast<Eigen::Index>(responses));
@@ -304,7 +304,7 @@ void check_beginning(const fs::path& path, std::string_view bytes) {
 
 void check_open(const fs::path& path, int status) {
   if (status != NC_NOERR)
-    Reader{path}.fail(std::string("truncated or damaged NetCDF-4 file: ") + nc_strerror(status));
+    Reader{path}.fail(std::string("truncated or corrupt NetCDF-4 file: ") + nc_strerror(status));
 }
 
 /// Reads an open file completely.
@@ -345,11 +345,11 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
     } catch (const io::FileError&) {
       throw;
     } catch (const std::exception& contradiction) {  // also std::bad_alloc for an invalid size
-      in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
+      in.fail("corrupt table file: group " + std::string(name) + ": " + contradiction.what());
     }
   }
   if (checksum(file) != in.text(id, NC_GLOBAL, kChecksumAttribute))
-    in.fail("damaged table file: its checksum does not match its content");
+    in.fail("corrupt table file: its checksum does not match its content");
   for (const auto& [name, table] : file.tables)
     if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
       throw io::FileError(
@@ -359,7 +359,7 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
   return file;
 }
 
-/// Reads the file in a child process first, because some damaged files crash HDF5.
+/// Reads the file in a child process first, because some corrupt files crash HDF5.
 template <class Read>
 TableFile twice(const fs::path& path, const Read& read_it) {
   const io::NetcdfLock lock;

@@ -23,7 +23,7 @@ inline constexpr int kTableFormatVersion = 1;
 
 /// Writes a table file. The function writes a temporary file in the same directory and renames this
 /// file, so that the file at `path` is always complete. Throws FileError (unwritable), and
-/// std::invalid_argument for tables with inconsistent shapes, without values, or with names that
+/// std::invalid_argument for tables with inconsistent sizes, without values, or with names that
 /// NetCDF does not accept.
 void write_table_file(const std::filesystem::path& path, const TableFile& file);
 

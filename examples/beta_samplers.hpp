@@ -85,8 +85,8 @@ inline std::vector<double> rejection(int n, base::Random& random) {
 ///
 ///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
 ///
-/// (With only two components, each would determine the other, because their sum is one. No update
-/// would then be possible.)
+/// (With only two components, each would determine the other, because their sum is one. Neither
+/// component could then change.)
 inline std::vector<double> gibbs(int n, base::Random& random) {
   const auto beta = [&](double a, double b) {
     const double x = random.gamma(a), y = random.gamma(b);
@@ -118,7 +118,7 @@ inline std::vector<double> metropolis_hastings(const std::function<double(double
 
 /// Slice sampling (Neal 2003, Annals of Statistics 31:705). The function draws a height below the
 /// density, widens an interval until the density is below this height at both ends, and draws from
-/// the interval. After a draw with a density below the height, this draw becomes an interval end.
+/// the interval. A draw whose density is below the height becomes an end of the interval.
 inline std::vector<double> slice(const std::function<double(double)>& density, double start,
                                  double width, int n, base::Random& random) {
   std::vector<double> draws;

@@ -64,7 +64,7 @@ int main() {
   std::printf("P(parabola | readings) = %.3f ± %.3f\n", p.value, p.mcse);
   std::printf("ln of the Bayes factor against a line: %.2f ± %.2f\n", bayes_factor.value,
               bayes_factor.mcse);
-  std::printf("c if it is one: %.2f (the readings were made with 0.35)\n",
+  std::printf("posterior mean of c, given a parabola: %.2f (true value: 0.35)\n",
               mean(posterior.draws_of("c", "parabola")));
   std::printf("%ld likelihood evaluations, %s\n", posterior.likelihood_evaluations,
               posterior.converged() ? "converged" : "not converged:");

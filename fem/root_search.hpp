@@ -21,7 +21,7 @@ struct Found {
   int below = 0;        ///< number of eigenvalues below `at`
 };
 
-/// The intact modes, and the quantities of the defects from which bounds of the roots follow. The
+/// The intact modes, and those properties of the defects that determine bounds of the roots. The
 /// caller owns the arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
@@ -35,33 +35,34 @@ struct SecularProblem {
   int columns;
   int supports;                         ///< number of support columns, which come first
   int held;                             ///< number of degrees of freedom that the supports remove
-  double least_remaining;               ///< root i >= least_remaining · λ_i; may be 0
+  double least_remaining;               ///< root i is at least least_remaining · λ_i; may be 0
   double added_stiffness;               ///< stiffness of the springs, a bound of the increase of
                                         ///< any root
   const double* c;                      ///< columns × stride
   std::span<const double> starts = {};  ///< initial value of each root; empty: first-order estimate
 };
 
-/// Finds eight roots at a time, each in a SIMD lane of `SecularKernel`. The inertia of S brackets a
-/// root. From a first-order estimate, Rayleigh quotients converge quadratically to the root.
+/// Finds eight roots at a time, each in a SIMD lane of `SecularKernel`. Eigenvalue counts by the
+/// inertia of S bracket each root. From a first-order estimate, Rayleigh quotients converge
+/// quadratically to the root.
 ///
 /// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
 /// the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each root has
 /// an interval that contains at least one eigenvalue. Suppose that b of these intervals are
-/// disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then each
-/// interval contains exactly one eigenvalue, and the gap is the distance of this eigenvalue to the
-/// others. Thus
+/// disjoint and lie below a value λ, and that exactly b eigenvalues lie below λ according to the
+/// inertia of S. Then each interval contains exactly one eigenvalue, and the gap is the distance of
+/// this eigenvalue to the others. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
 ///
 /// is proven for nearly every root without another evaluation. If the relative error bound of a
 /// root exceeds `kConfirmed`, counts of eigenvalues at λ (1 ± kConfirmed) confirm the root. If the
-/// counts disagree with the root, bisection follows.
+/// counts do not confirm the root, bisection follows.
 class RootSearch {
  public:
   /// Sets the secular problem. The caller must call this function for each set of defects.
-  /// RootSearch keeps pointers to the memory of the problem.
+  /// RootSearch keeps pointers to `kernel` and to the arrays of `problem`.
   void set(const SecularProblem& problem, const SecularKernel& kernel);
 
   /// Writes the eigenvalues with the indices first … lambda.size() - 1 to `lambda`; the eigenvalues

@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code: from such code, the
-// linker could select a function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: the linker could select
+// a library function with AVX-512 instructions for every processor.
 
 inline constexpr int kLanes = 8;      ///< number of values of λ that are evaluated together
 inline constexpr int kPairChunk = 5;  ///< number of entries of e eᵀ that are summed together
@@ -16,23 +16,24 @@ struct alignas(64) Pack {
   double lane[kLanes];
 };
 
-/// The secular function of one set of defects, in coordinates of the intact modes. The static term
-/// of each mode is subtracted, so that the columns of supports can include rigid-body modes:
+/// The secular function of one set of defects, in intact modal coordinates. The static term of each
+/// mode is subtracted, so that the columns of supports can include rigid-body modes:
 ///
 ///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
 ///
-/// where S has the size m × m. With s_j = λ_j, κ_j = λ / (λ_j - λ) tends to 0 with λ. The sum is
-/// then free of cancellation, even if a damage leaves almost no stiffness. For rigid-body modes,
-/// s_j is the lowest elastic eigenvalue. J, the value of S at κ = 0, is diagonal: -1 for supports,
-/// which come first, and 1 for damaged elements. `DefectColumns` scales the columns c accordingly.
-/// The modes far above the requested range, j >= `near`, are represented by a Chebyshev series of κ
-/// / λ in λ over [0, cap], exact to rounding.
+/// where S has the size m × m. For s_j = λ_j, κ_j = λ / (λ_j - λ), so that κ_j tends to 0 as λ
+/// tends to 0. The sum is then free of cancellation, even if a damage leaves almost no stiffness.
+/// For rigid-body modes, s_j is the lowest elastic eigenvalue. J, the value of S at κ = 0, is
+/// diagonal: -1 for supports, which come first, and 1 for damaged elements. `DefectColumns` scales
+/// the columns c accordingly. The modes far above the requested range, j >= `near`, are represented
+/// by a Chebyshev series of κ / λ in λ over [0, cap], accurate to rounding.
 struct Secular {
   int columns = 0;   ///< m
   int supports = 0;  ///< number of support columns, which come first
   int near = 0;      ///< number of modes summed explicitly
   int negative = 0;  ///< number of leading modes with negative sign
-  /// 1/θ, where |v|² >= θ Σ v_j² over the modes with positive sign; 1 if `negative` is 0.
+  /// 1/θ. Every displacement vector v satisfies |v|² >= θ Σ v_j², with the sum over the modes with
+  /// positive sign. The value is 1 if `negative` is 0.
   double residual_factor = 1.0;
   int terms = 0;                        ///< number of terms of the Chebyshev series
   double cap = 0.0;                     ///< largest λ that can be evaluated
@@ -96,10 +97,10 @@ struct SecularKernel {
   void (*evaluate)(const Secular& secular, const Pack& lambda, const int (&lower_pole)[kLanes],
                    const SecularScratch& scratch, SecularSteps& steps);
 
-  /// Computes `pairs` from the columns c: the products for the near modes, and the series for the
-  /// far modes, near <= j < modes. The weight of mode near + j in term p is series[p * (modes -
+  /// Computes `pairs` from the columns c: the products for the modes j < near, and the series for
+  /// the modes near <= j < modes. The weight of mode near + j in term p is series[p * (modes -
   /// near) + j]; weights from j = series_end[p] on are negligible. `product` is scratch memory for
-  /// the far modes.
+  /// the series.
   void (*fill_pairs)(const Secular& secular, int modes, const double* series, const int* series_end,
                      double* product, double* pairs);
 

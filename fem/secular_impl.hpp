@@ -68,8 +68,8 @@ inline void accumulate(const Secular& s, int lanes, const Pack* weights, int fir
   }
 }
 
-/// Computes weights[j] = κ_j, with zero for the two excluded poles, then λ T_p(x). Computes the
-/// slopes as described in SecularScratch.
+/// Computes weights[j] = κ_j, with zero for the two excluded poles, then λ T_p(x). Also computes
+/// the slopes that SecularScratch describes.
 inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_pole,
                   const SecularScratch& scratch) {
   Vec pole{};
@@ -142,7 +142,7 @@ inline void shape(const Small& k, const Vec& delta, double residual_factor, bool
   at(a2, lanes) = p2 * size;
 }
 
-/// Returns row a of the matrix A and of its factors.
+/// Returns row a of the lower triangle that contains A and, after the factorisation, its factors.
 inline Pack* row_of(const SecularScratch& scratch, int a) {
   return scratch.matrix + a * (a + 1) / 2;
 }
@@ -295,9 +295,9 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   k.n22 = per2 * per2 + (k.b22 + 2.0 * m22);
 }
 
-/// Computes both values δ of H v = δ N v with the Cholesky factor of N. The value with the smaller
-/// magnitude is determinant / other value. This value therefore keeps its relative accuracy as it
-/// converges to zero.
+/// Computes both generalised eigenvalues δ of H v = δ N v with the Cholesky factor of N. The
+/// eigenvalue with the smaller magnitude is the determinant divided by the other eigenvalue. The
+/// smaller eigenvalue therefore keeps its relative accuracy as it converges to zero.
 inline void both_roots(const Small& k, Vec& low, Vec& high) {
   const Vec zero{};
   const Vec r = k.n12 / k.n11;

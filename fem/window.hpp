@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem::detail {
 
-/// A range of λ, with the near modes and the series by which S is computed in this range
-/// (`Secular`).
+/// A range 0 <= λ <= cap for the computation of S (`Secular`). In this range, S is the sum over the
+/// lowest `near` modes plus a series that represents the other modes.
 struct Window {
   int near = 0;
   int terms = 0;

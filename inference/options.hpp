@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 struct Checkpoint;  // checkpoint.hpp
 
-/// The value 0 of some options means that the engine chooses the value.
+/// For some options, the value 0 means that the engine chooses the value.
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
@@ -25,10 +25,10 @@ struct Options {
   int draws = 0;
   int thin = 0;  ///< iterations per draw; 0: the engine chooses
   /// Quick run: few local optimisations, importance sampling from the posterior modes found, short
-  /// chains. The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given.
-  /// The result of a quick run never counts as converged.
+  /// chains. The number of evaluations is fixed unless `warmup`, `draws`, `thin` or `searches` is
+  /// given. The result of a quick run never counts as converged.
   bool quick = false;
-  /// Run without likelihood; the resulting posterior must equal the prior
+  /// True: run without likelihood; the resulting posterior must equal the prior
   bool prior_only = false;
 
   /// Moves that the engine may use.
@@ -43,14 +43,14 @@ struct Options {
   };
   Moves moves{};
 
-  /// Parallel tempering also for the draws, with the ladder of temperatures from warm-up. If
+  /// True: the draws also use parallel tempering, with the temperature ladder from warm-up. If
   /// `draws` is 0, the engine enables tempering when the chains disagree without tempering.
   bool tempered_draws = false;
 
-  /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed fraction of the run's likelihood evaluations. If the basin of
-  /// a posterior mode has the prior probability p, all n local optimisations miss the mode with
-  /// probability (1 - p)^n; see `Verdict::resolution`.
+  /// Number of local optimisations in each model, each from a draw of its prior. If 0, the engine
+  /// chooses the number such that the optimisations use a fixed fraction of the run's likelihood
+  /// evaluations. If the basin of a posterior mode has the prior probability p, all n local
+  /// optimisations miss the mode with probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
   /// Sample with model weights that make all models about equally probable, and reweight the draws
@@ -60,7 +60,7 @@ struct Options {
   /// False: do not compute the evidences of models and the probability masses of posterior modes
   /// (NaN), for a caller that needs only draws. The exploration then has at most three rounds of
   /// importance sampling per model, and two local optimisations from draws of the parallel
-  /// tempering. This suffices for starting points and proposals.
+  /// tempering. These results suffice for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in
@@ -76,8 +76,8 @@ struct Options {
     std::vector<double> model_probabilities;  ///< current model probabilities; empty during warm-up
   };
   /// Callback, called from one thread at a time, a few times per second. If the callback returns
-  /// false, the run stops early and keeps its draws. If the run has no draws yet, the result has
-  /// draws based on the mode searches.
+  /// false, the run stops early and keeps its draws. If each chain has fewer than 100 draws, the
+  /// result has approximate draws from the mode searches instead (salvage.hpp).
   std::function<bool(const Progress&)> progress = nullptr;
   /// Callback, called between two likelihood evaluations by any thread. The callback returns true
   /// if the run should stop, and must return true in all later calls. With an expensive likelihood,
@@ -95,12 +95,12 @@ struct Options {
     /// those of the saved run.
     std::shared_ptr<const Checkpoint> from = nullptr;
 
-    // Saving many draws repeatedly takes time and memory. The following callbacks save parts of a
-    // chain's draws (`part` draws each) once and separately; the checkpoints passed to `save` omit
-    // these draws. Keep a saved part until `save` has received a checkpoint that begins with a
-    // later part (inference::parts_of).
-    /// Saves the part of the draws with index `number`. Returns false if saving failed and the
-    /// engine should try again later.
+    // Saving many draws repeatedly takes time and memory. The following callbacks therefore save
+    // the draws of a chain in parts of `part` draws, each part once. The checkpoints passed to
+    // `save` omit the draws in saved parts. Keep a saved part until `save` has received a
+    // checkpoint that begins with a later part (inference::parts_of).
+    /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
+    /// again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
     /// Loads a saved part of the draws, for a run resumed with `from`
     std::function<Checkpoint(long number)> saved_draws = nullptr;

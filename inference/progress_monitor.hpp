@@ -57,7 +57,7 @@ class ProgressMonitor {
     }
     return !stopped();
   }
-  /// True if the run must stop, as far as this thread knows (base::is_to_stop).
+  /// True if this thread has received a request to stop the run (base::is_to_stop).
   [[nodiscard]] bool stopped() const {
     return base::is_to_stop(stop_ || (options_.stop && options_.stop()));
   }

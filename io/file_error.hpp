@@ -33,7 +33,7 @@ class FileError : public std::runtime_error {
  public:
   enum class Kind {
     missing,     ///< the file does not exist or cannot be read
-    corrupt,     ///< truncated, damaged, or inconsistent
+    corrupt,     ///< truncated, invalid, or inconsistent
     foreign,     ///< file of another program or another format
     version,     ///< format of another version of this program
     mismatch,    ///< file of another case: the fingerprints differ

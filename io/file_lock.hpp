@@ -13,8 +13,8 @@ namespace wheeltap::io {
 class FileLock {
  public:
   /// Locks the file or folder. Returns std::nullopt if another process, or another object of this
-  /// process, holds the lock for the whole time `patience`. Waiting is useful, because a killed
-  /// process may need a moment to release its lock. Throws FileError (missing).
+  /// process, holds the lock during the whole waiting time `patience`. Waiting is useful, because a
+  /// killed process may need a moment to release its lock. Throws FileError (missing).
   [[nodiscard]] static std::optional<FileLock> take(
       const std::filesystem::path& path,
       std::chrono::milliseconds patience = std::chrono::milliseconds(0));

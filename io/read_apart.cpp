@@ -190,14 +190,14 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   if (!ended) return read();
   if (ended->signal == SIGXCPU)
     throw FileError(FileError::Kind::corrupt, path,
-                    "probably damaged: " + std::to_string(static_cast<int>(seconds)) +
+                    "probably corrupt: " + std::to_string(static_cast<int>(seconds)) +
                         " s of processor time were not enough to read it");
   if (!ended->whole)
     throw FileError(FileError::Kind::corrupt, path,
-                    "probably damaged: the library that reads such files crashed");
+                    "probably corrupt: the library that reads such files crashed");
   if (ended->outcome == Outcome::beyond_bound)
     throw FileError(FileError::Kind::corrupt, path,
-                    "probably damaged: " + std::to_string(std::llround(memory / 1048576.0)) +
+                    "probably corrupt: " + std::to_string(std::llround(memory / 1048576.0)) +
                         " MB of memory were not enough to read it (if the file is valid and only "
                         "strongly compressed, store it without compression)");
   return std::move(ended->bytes);
@@ -215,7 +215,7 @@ bool write_apart(const std::filesystem::path& path, const std::function<void()>&
     return ended.has_value();
   } catch (const std::bad_alloc&) {
     throw FileError(FileError::Kind::unwritable, path,
-                    "there is not enough memory to write it, or its writer was killed");
+                    "there is not enough memory to write it, or the writing process was killed");
   }
 }
 

@@ -11,13 +11,13 @@
 
 namespace wheeltap::io {
 
-/// Calls `read` in a child process and returns the bytes that `read` returns. If a damaged file
-/// causes a library to crash or to loop for ever, only the child process is affected. Text that the
-/// child prints is lost. A FileError of `read` is rethrown here, other exceptions as
-/// std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a limit. The
-/// limit of processor time is `seconds`; if `seconds` is 0, the limit is `most_seconds` of the
-/// file's size. The memory limit of the child is the present memory of this process plus
-/// `most_bytes`. Throws std::bad_alloc if the system allows this process less memory than this
+/// Calls `read` in a child process and returns the bytes that `read` returns. If a corrupt file
+/// causes a library to crash or to enter an endless loop, only the child process is affected. Text
+/// that the child prints is lost. A FileError of `read` is rethrown here. Other exceptions are
+/// rethrown as std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a
+/// limit. The limit of processor time is `seconds`; if `seconds` is 0, the limit is `most_seconds`
+/// of the file's size. The memory limit of the child is the memory that this process currently uses
+/// plus `most_bytes`. Throws std::bad_alloc if the system allows this process less memory than this
 /// limit, or if the system killed the child. The child ignores the signals that request a stop.
 ///
 /// The child contains only the calling thread, so the caller must hold any lock that `read` needs.
@@ -35,11 +35,11 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
   });
 }
 
-/// Calls `write` in a child process without limits. If a full disk causes a library to crash, only
-/// the child process ends. A FileError of `write` is rethrown here. If the child crashes, lacks
-/// memory or is killed, this function throws FileError (unwritable) for `path`. Other exceptions
-/// are rethrown as std::runtime_error. Returns false without calling `write` if the system cannot
-/// start a child process.
+/// Calls `write` in a child process without limits of time and memory. If a full disk causes a
+/// library to crash, only the child process ends. A FileError of `write` is rethrown here. If the
+/// child crashes, runs out of memory or is killed, this function throws FileError (unwritable) for
+/// `path`. Other exceptions are rethrown as std::runtime_error. Returns false without calling
+/// `write` if the system cannot start a child process.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 

@@ -1,4 +1,4 @@
-// Functions that define the parts of the module. Each function has its own source file.
+// Functions that define the parts of the Python module. Each function has its own source file.
 #pragma once
 
 #include <pybind11/pybind11.h>

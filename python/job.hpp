@@ -48,8 +48,8 @@ class Job {
   std::optional<Progress> news_;
 };
 
-/// Calls work(job) on a thread without the GIL and waits for its end. Meanwhile this thread runs
-/// Python's signal handlers and calls `progress` (if it is not None) with each Progress. If
+/// Calls work(job) on a thread without the GIL and waits until the call ends. Meanwhile this thread
+/// runs Python's signal handlers and calls `progress` (if it is not None) with each Progress. If
 /// `progress` returns False, the job stops. An exception in a handler or in `progress` also stops
 /// the job and is rethrown after its end, instead of the job's exception. Requires the GIL.
 void watched(const py::object& progress, const std::function<void(Job&)>& work);

@@ -8,7 +8,7 @@
 
 namespace wheeltap::signals {
 
-/// A time interval of a record: samples [begin, end).
+/// An interval of a record: samples [begin, end).
 struct Stretch {
   long begin, end;
 };
@@ -22,19 +22,19 @@ struct ChannelQuality {
   bool constant = false;
 
   /// Dropouts: sequences of equal samples that are too long to occur by chance. A dropout has at
-  /// least five samples. Fewer than 0.001 sequences of its length are expected by chance in a
-  /// record of this size. The expectation follows from the fraction p of pairs of neighbouring
-  /// samples that are equal.
+  /// least five samples. The expected number of equally long sequences that occur in the record by
+  /// chance is below 0.001. The expected number follows from the fraction p of pairs of
+  /// neighbouring samples that are equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
-  /// sequences of at least three samples count.
+  /// sequences of at least three clipped samples count.
   long clipped_high = 0, clipped_low = 0;
-  /// Spikes: single samples that differ from the cubic through two neighbours on either side by
-  /// more than 12 local robust standard deviations of that difference. After the cubic's value has
-  /// replaced the sample, the differences of the neighbouring samples must be below this limit. The
-  /// difference is the output of a linear filter, and is therefore Gaussian for a Gaussian record
-  /// of any bandwidth. If more than a thousandth of all samples satisfy the criterion, these
-  /// samples belong to the signal and the list is empty.
+  /// Spikes: single samples that differ from the cubic polynomial through two neighbours on either
+  /// side. The difference must exceed 12 times its local robust standard deviation. After the
+  /// sample is replaced by the value of the polynomial, the differences of the neighbouring samples
+  /// must be below this limit. The difference is the output of a linear filter, and is therefore
+  /// Gaussian for a Gaussian record of any bandwidth. If more than a thousandth of all samples
+  /// satisfy the criterion, these samples belong to the signal and the list is empty.
   std::vector<long> spikes = {};
   /// Trend: rise of the fitted line over the whole record, divided by the standard deviation of the
   /// samples about this line.
@@ -70,8 +70,9 @@ struct FoundFault {
 };
 
 /// Lists the faults of a channel in the order of ChannelFault. For a constant channel, the list
-/// contains only this fault and missing samples; for a counter, only this fault. If `is_record` is
-/// false, the channel is not a vibration record, and this function checks only for missing samples.
+/// contains no other faults than `constant` and `missing`; for a counter, it contains only
+/// `counter`. If `is_record` is false, the channel is not a vibration record, and this function
+/// checks only for missing samples.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 
 /// A local maximum of a spectrum.

@@ -39,7 +39,7 @@ class Noise {
                                        double frequency_hz, double phase = 0.0);
 
 /// A multisine: a periodic sum of sines with equal amplitudes and random phases. The frequencies
-/// are all k f_s / period in [low_hz, high_hz], with k = 1, 2, … and the sampling rate f_s.
+/// are all multiples of f_s / period in [low_hz, high_hz], where f_s is the sampling rate.
 struct Multisine {
   int period = 1024;  ///< samples
   double low_hz = 0.0;

@@ -89,8 +89,8 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   }
   if (any && !all)
     refuse(
-        "the units of some outputs are known and those of others are not: their "
-        "entries in a mode shape cannot be compared");
+        "the units of some outputs are known, but other outputs have no known unit: "
+        "the entries of a mode shape cannot be compared");
   for (const auto& [which, f] : found) {
     const Conversion conversion = numerator_conversion(*f);
     for (Index k = 0; k < lines; ++k)

@@ -22,10 +22,10 @@ struct MeasuredResponses {
 };
 
 /// Reads all frequency response functions of a file and converts outputs with known units to SI. If
-/// the file has more reference than response degrees of freedom, outputs and inputs are exchanged
-/// (reciprocity). Throws io::FileError if the file is not a universal file or has no frequency
-/// response function. Also throws io::FileError if the functions have different frequencies, or if
-/// one occurs twice or is missing.
+/// the number of reference degrees of freedom exceeds that of response degrees of freedom, outputs
+/// and inputs are exchanged (reciprocity). Throws io::FileError if the file is not a universal file
+/// or has no frequency response function. Also throws io::FileError if the functions have different
+/// frequencies, or if one occurs twice or is missing.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 
 }  // namespace wheeltap::signals

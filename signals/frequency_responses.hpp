@@ -26,9 +26,9 @@ struct FrequencyResponses {
 
 /// Estimates H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows with an overlap of 50 %, after
 /// subtraction of the mean of each segment (Bendat & Piersol 2010, section 7.4). Errors due to
-/// output noise decrease with the number of averages. Noise on the inputs makes the magnitude of H₁
-/// too small. For resonances narrower than 1 / (segment duration), the estimated peaks are too wide
-/// and too low. `inputs` and `outputs` have one channel per row. `segment` is the segment length in
+/// output noise decrease with the number of averages. Noise in the inputs reduces the magnitude of
+/// H₁. For resonances narrower than 1 / (segment duration), the estimated peaks are too wide and
+/// too low. `inputs` and `outputs` have one channel per row. `segment` is the segment length in
 /// samples. If `segment` is 0, the segment length is the largest power of 2 that fits eight times
 /// into the record, and at least 16 samples. Throws std::invalid_argument for inputs and outputs of
 /// different lengths, fewer than 2 segments per input, a sampling rate <= 0, and linearly dependent

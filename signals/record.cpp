@@ -265,12 +265,12 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
       if (std::abs(t[n] - t[n - 1] - median) > std::abs(t[worst] - t[worst - 1] - median))
         worst = n;
     const std::string what = "time goes from " + show(t[worst - 1]) + " to " + show(t[worst]) +
-                             " " + unit + ", must advance by the same step everywhere (" +
+                             " " + unit + ", but must advance by the same step everywhere (" +
                              show(median) + " " + unit + " elsewhere)";
     const double step = t[worst] - t[worst - 1];
     std::string remedy = "state \"resample\": true to interpolate at a constant rate";
     if (step == 0.0) remedy = "delete the repeated row";
-    if (step < 0.0) remedy = "cut the file there if another run begins, or delete the row";
+    if (step < 0.0) remedy = "cut the file there if a new measurement begins, or delete the row";
     if (step > kLongestGap * median)
       remedy = "cut the file there: the gap is too long to interpolate";
     fail(record, record.place(worst, time_column), what + "; " + remedy);

@@ -40,7 +40,7 @@ struct RecordReading {
 [[nodiscard]] Record read_record(const std::filesystem::path& path, RecordReading reading = {},
                                  std::span<const io::Format> known = io::formats());
 
-/// The sampling according to a time column.
+/// The sampling that a time column defines.
 struct Sampling {
   enum class Basis {
     unit,     ///< the header or the name of the time column gives the unit
@@ -56,10 +56,10 @@ struct Sampling {
   Basis basis = Basis::stated;
   std::string unit = {};  ///< unit of the column's numbers
   /// Largest relative difference between a time step and the mean time step, minus the difference
-  /// that the rounding of the printed times explains. 0 if the difference is below 0.1 %.
+  /// due to the rounding of the printed times. The value is 0 if the result is below 0.1 %.
   double jitter = 0.0;
   /// True if the time column has no unit and the times are whole numbers in steps of two or more.
-  /// The unit could then be milliseconds.
+  /// The unit could then be milliseconds instead of seconds.
   bool doubtful_unit = false;
   int line = 0;  ///< number of the line that gives the rate, for Basis::header
   double off_grid =

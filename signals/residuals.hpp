@@ -28,8 +28,8 @@ namespace wheeltap::signals {
 
 /// Computes the standardised innovations of ar_log_likelihood for sigma = 1: e_t / √(∏_{j<=m} (1 -
 /// π_j²)). The log-likelihood is then ln p = c(π) - N ln σ - ½ Σ out_t² / σ². The innovations are
-/// linear in the residuals. `out` may be the memory of `residuals`. Throws std::invalid_argument
-/// for a partial autocorrelation outside (-1, 1).
+/// linear in the residuals. `out` may be the same memory as `residuals`. Throws
+/// std::invalid_argument for a partial autocorrelation outside (-1, 1).
 void ar_innovations(std::span<const double> residuals,
                     std::span<const double> partial_autocorrelations, std::span<double> out);
 
@@ -44,12 +44,12 @@ void ar_innovations(std::span<const double> residuals,
 /// 0 at some lag, π_m = 0 at all later lags.
 [[nodiscard]] std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags);
 
-/// Selects the order p of an autoregressive model of these residuals by Schwarz's criterion (BIC).
+/// Selects the order p of an autoregressive model of the residuals by Schwarz's criterion (BIC).
 /// The order p <= `most` minimises
 ///
-///   N ln σ² ∏_{m<=p} (1 - π_m²) + p ln N,   π by Burg's method,
+///   N ln σ² ∏_{m<=p} (1 - π_m²) + p ln N,   π by Burg's method.
 ///
-/// and p is at most a quarter of the number of residuals.
+/// The order is at most a quarter of the number of residuals.
 [[nodiscard]] int autoregressive_order(std::span<const double> residuals, int most = 20);
 
 /// Result of a test for whiteness (Ljung & Box 1978). The statistic is Q = N (N + 2) Σ ρ_k² / (N -

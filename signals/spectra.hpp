@@ -29,7 +29,7 @@ struct Spectrum {
                              WelchOptions options = {});
 
 /// Frequency response function between the input x and the output y. H1 = S_xy / S_xx is the
-/// estimate for noise on the output only, and H2 = S_yy / S_yx the estimate for noise on the input
+/// estimate for noise in the output only, and H2 = S_yy / S_yx the estimate for noise in the input
 /// only. The coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment
 /// is always 1.
 struct FrequencyResponse {
@@ -43,14 +43,14 @@ struct FrequencyResponse {
                                                    std::span<const double> y, double sample_rate_hz,
                                                    WelchOptions options = {});
 
-/// Comparison of a time window of a record with the whole record. Both spectra use the same segment
-/// length.
+/// Comparison of a time window of a record with the whole record. Both spectra are estimated with
+/// the same segment length.
 struct SpectrumComparison {
   Spectrum full, window;
   double power_ratio = 1.0;  ///< variance of the window divided by the variance of the record
   /// `difference_db` is the root mean square of 10 log₁₀(window / full) over the frequencies that
-  /// contain 99.9 % of the record's power. `expected_db` is the expected value of this difference
-  /// between two independent estimates of the same spectrum.
+  /// contain 99.9 % of the record's power. `expected_db` is the expected value of `difference_db`
+  /// for two independent estimates of the same spectrum.
   double difference_db = 0.0;
   double expected_db = 0.0;
 };
@@ -79,9 +79,10 @@ void detrend(std::span<double> x, int degree);
                                            int factor);
 
 /// Returns every `factor`-th sample of x, from the first sample on, after a zero-phase low-pass
-/// filter. Below 0.4 of the new rate, the relative change of amplitudes is at most 1e-4. Components
-/// above 0.5 of the new rate would alias; the filter multiplies their amplitude by 1e-4. The record
-/// is continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
+/// filter. Below 0.4 times the new sampling rate, the relative change of the amplitudes is at most
+/// 1e-4. Components above 0.5 times the new sampling rate would alias; the filter multiplies their
+/// amplitude by 1e-4. The record is continued beyond its ends by odd reflection. Throws
+/// std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
 /// A point of a plotted spectrum.
@@ -91,13 +92,14 @@ struct SpectralLevel {
 
 /// Computes the sum of the normalised spectral densities of all channels in dB, within [lowest_hz,
 /// highest_hz]. The density of each channel is normalised by the variance of the channel. Spectral
-/// lines with a sum of 0 are omitted. `records` has one channel per row.
+/// lines at which the sum is 0 before the conversion to dB are omitted. `records` has one channel
+/// per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
     double highest_hz);
 
-/// Reduces a spectrum to at most `most` spectral lines. Each group of neighbouring lines is reduced
-/// to its highest line.
+/// Reduces a spectrum to at most `most` spectral lines. Each group of neighbouring lines is
+/// replaced by its highest line.
 [[nodiscard]] std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
                                                        std::size_t most);
 

@@ -58,15 +58,15 @@ struct Conversion {
 /// dimension are converted. Without `wanted`, units of any dimension are converted.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// Returns the unit of a column: the unit in brackets or in the line of units. For other columns,
-/// the result is a known unit at the end of the column's name. This unit follows " / ", ", ", " in
-/// ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), is in {} or <>, or is a quotient as the
-/// last word ("a m/s^2"). The result is empty if the column has no unit.
+/// Returns the unit of a column: the unit in brackets or in the line of units. If both are missing,
+/// the function looks for a known unit at the end of the column's name. Such a unit follows " / ",
+/// ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), is enclosed in {} or <>, or
+/// is a quotient at the end ("a m/s^2"). The result is empty if the column has no unit.
 [[nodiscard]] std::string unit_of(const io::Column& column);
 
 /// Returns a possible unit in a column's name that `unit_of` does not recognise: "acc_g",
 /// "acc_m_s2", "F/N". Wheeltap does not apply this unit, because "acc_N" may mean north. The result
-/// is empty if the name contains no possible unit.
+/// is empty for a name without a possible unit.
 [[nodiscard]] std::string possible_unit_of(const io::Column& column);
 
 /// Returns the unit of a time column by the rules of `unit_of` or, if they give none, a time unit

@@ -15,13 +15,13 @@ class AppFolder {
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
   /// Returns the path of the file `name`. The name is relative to the folder; "/" separates its
-  /// parts. The file need not exist. The result is empty if the name is empty, absolute or longer
-  /// than 1024 bytes, or contains a control character or a backslash. The result is also empty if a
-  /// component of the path begins with "." (".." and hidden files), or if the name leads out of the
-  /// folder through a symbolic link.
+  /// components. The file need not exist. The result is empty if the name is empty, absolute or
+  /// longer than 1024 bytes, or contains a control character or a backslash. The result is also
+  /// empty if a component of the path begins with "." (".." and hidden files), or if the name leads
+  /// out of the folder through a symbolic link.
   [[nodiscard]] std::optional<std::filesystem::path> place(const std::string& name) const;
 
-  /// Returns the name of a path below the folder: the path relative to the folder.
+  /// Returns the path of a file below the folder, relative to the folder.
   [[nodiscard]] std::string name_of(const std::filesystem::path& path) const;
 
   /// True if the path, after its symbolic links are resolved, is below the folder.

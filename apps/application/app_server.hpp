@@ -16,7 +16,7 @@ struct StarterCase {
   std::string kind, structure;
 };
 
-/// The functions of the program that the server calls.
+/// The data and functions of the program that the server uses.
 struct AppProgram {
   std::vector<std::string> kinds = {};  ///< kinds of cases
   std::vector<StarterCase> starters = {};
@@ -24,8 +24,9 @@ struct AppProgram {
   std::vector<std::string> sampled = {};
   /// Returns the name of the command that runs a case with this text; empty if no command runs it.
   std::function<std::string(const std::string& text)> command = {};
-  /// Checks `text`, the content of the case at `path`, as its command does before a run. `allowed`
-  /// returns true for input files that the case may name. Returns the first fault, if any.
+  /// Checks `text`, the content of the case file `path`, with the checks that its command makes
+  /// before a run. `allowed` returns true for input files that the case is permitted to use.
+  /// Returns the first fault, if any.
   std::function<std::optional<CasePlace>(
       const std::filesystem::path& path, const std::string& text,
       const std::function<bool(const std::filesystem::path&)>& allowed)>

@@ -21,9 +21,9 @@ inline constexpr int kDeepestFolder = 8;
 
 /// Returns {folder, truncated, cases, results, records, drawings}. A case is a JSON file with one
 /// of `kinds`. Its state is draft (the case violates the schema), ready, running, interrupted (a
-/// checkpoint exists), changed (the results belong to an earlier text), or the state of its
-/// results. The state of results is converged, not-converged, done (no convergence to check) or
-/// alarm. A result is a folder with summary.json. A record is a file with the extension of a
+/// checkpoint exists), changed (the results belong to an earlier version of the case), or the state
+/// of its results. The state of results is converged, not-converged, done (no convergence to check)
+/// or alarm. A result is a folder with summary.json. A record is a file with the extension of a
 /// measured file. A drawing is a .dxf file. Hidden files and symbolic links are omitted.
 [[nodiscard]] Report list_projects(const AppFolder& folder, const std::vector<std::string>& kinds,
                                    const RunQueue& runs);

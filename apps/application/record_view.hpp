@@ -14,7 +14,7 @@
 
 namespace wheeltap::apps {
 
-/// A measured file, with the layout that a case states for it.
+/// A measured file, and the layout of this file as given in a case.
 struct RecordSource {
   std::filesystem::path path;
   io::TextLayout layout = {};
@@ -72,8 +72,8 @@ struct RecordWindow {
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
 /// Returns {frequencies_hz, density: […]}: the Welch power spectral density of one channel in the
-/// window. The lists are empty if the sampling rate is unknown, for fewer than 16 rows, and for
-/// values that are not finite. Throws std::invalid_argument like record_window.
+/// window. The lists are empty if the sampling rate is unknown, if the window has fewer than 16
+/// rows, or if a value is not finite. Throws std::invalid_argument like record_window.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
 
 }  // namespace wheeltap::apps

@@ -12,8 +12,8 @@ struct ParametricBeam {
   double depth = 0.0;   ///< depth of the section, if the case gives it
   std::shared_ptr<const identification::StructureModel> model = {};
   bool uniform =
-      /// True if no spring stiffness is unknown. The beam then has the same symmetry at all
-      /// parameter values as at the medians of the priors.
+      /// True if no spring stiffness is unknown. Without unknown springs, the symmetry of the beam
+      /// is the same at all parameter values as at the prior medians.
       true;
 };
 

@@ -15,7 +15,7 @@ struct DamageCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::DamageCase damage;
-  /// Locations of the damage kinds in the case, for error messages
+  /// JSON pointers to the kinds of damage in the case, for error messages
   std::vector<Pointer> kinds;
   std::optional<OutsideSpec> outside = {};  ///< external model that replaces the FE solution
 

@@ -15,8 +15,8 @@ namespace wheeltap::apps {
                                              double lower, double upper,
                                              const std::string& allowed);
 
-/// Parses the prior weights of min, …, max damages at `where` ("count"). Normalises the weights to
-/// a sum of 1. Throws Failure.
+/// Parses the prior weights of the damage counts min, …, max at `where` ("count"). Normalises the
+/// weights to a sum of 1. Throws Failure.
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 
@@ -24,8 +24,8 @@ namespace wheeltap::apps {
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
 
-/// Parses "extent", the length of a stiffness reduction: absent, a number, or a prior up to `most`
-/// [m]. Throws Failure.
+/// Parses "extent", the length of a stiffness reduction: absent, a number, or a prior on lengths up
+/// to `most` [m]. Throws Failure.
 void parse_extent(const CaseFile& file, const Pointer& where, double most,
                   identification::DefectKind& kind);
 /// Parses the true extent of the defect at `where`; 0 if its kind has no unknown extent. Throws

@@ -143,7 +143,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     const inference::Prior& prior = *out.kinds[0].severity_prior();
     if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
       file.refuse(where / "multipliers",
-                  "is missing: it is required if the prior of the reduction reaches above 0.999");
+                  "is missing: it is required if the prior of the reduction extends above 0.999");
     }
   }
   spec.compliance = p.value("coordinate", std::string()) == "compliance";
@@ -151,7 +151,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
     if (spec.sites.size() > 1) {
       file.refuse(where / "sites",
-                  "\"anova\" uses one table for all counts of damages: give one list of sites");
+                  "\"anova\" uses one table for all numbers of damages: give one list of sites");
     }
   } else if (p.contains("additive")) {
     file.refuse(where / "additive", "is allowed with \"expansion\": \"anova\" only");

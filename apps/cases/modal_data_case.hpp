@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the truth of the case instead of measured. If the case gives no
+/// Modes simulated from the `truth` of the case, in place of measured modes. If the case gives no
 /// standard deviations, those of the simulated modes are used.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
@@ -17,7 +17,7 @@ struct SimulatedModes {
 };
 
 /// Parses the data at `where`, e.g. /data. If the data have neither frequencies nor shapes, those
-/// of `simulated` are used. Without `simulated`, the modes remain empty until the truth is
+/// of `simulated` are used. Without `simulated`, the data remain empty until modes are
 /// simulated. Throws Failure (65) for sensors that are not on the structure, inconsistent sizes and
 /// invalid covariances.
 [[nodiscard]] identification::ModalData parse_modal_data(

@@ -50,7 +50,7 @@ struct OutsideSpec {
 
 /// True if /predictor is an external model.
 [[nodiscard]] bool has_outside_model(const CaseFile& file);
-/// Parses /predictor of a case with these unknowns. Throws Failure.
+/// Parses /predictor of a case with the given unknowns. Throws Failure.
 [[nodiscard]] OutsideSpec parse_outside(const CaseFile& file,
                                         const std::vector<std::string>& unknowns);
 

@@ -380,7 +380,7 @@ class Parser {
       return law.kind == term.law.kind && law.side == term.law.side;
     };
     if (std::ranges::any_of(link.laws, twin)) {
-      file_.refuse(where, "the link of the model has this law already");
+      file_.refuse(where, "the link of the model already has this force law");
     }
     return term;
   }
@@ -575,8 +575,8 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   }
   if (!several && !file.json.contains("record")) {
     file.refuse(Pointer("/record"),
-                "is missing: must be an object with a file (or a truth to simulate it from) and "
-                "its channels");
+                "is missing: must be an object with \"channels\" and a \"file\"; without a file, "
+                "Wheeltap simulates the record from \"truth\"");
   }
   std::vector<bool> used;
   SidCaseFile out = several ? parse_several(file, needs, used) : parse_one(file, needs, used);

@@ -73,7 +73,7 @@ void load_record(SidCaseFile& parsed) {
     out.origin = "simulated from the case's truth, seed " + std::to_string(seed_of(out));
   } else {
     file.refuse(Pointer("/record/file"),
-                "is missing: give a record, or a \"truth\" to simulate it from");
+                "is missing: give a record, or a \"truth\" from which Wheeltap simulates it");
   }
   const RecordUse use = parse_use(file);
   explained(parsed, [&] {

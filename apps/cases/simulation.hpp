@@ -24,7 +24,7 @@ struct SimulatedCase {
 /// its default is 1. Both functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
-/// The case with the frequencies of `data` and, if it has sensors, the mode shapes of `data`.
+/// The case with the frequencies of `data` and, if the case has sensors, the mode shapes of `data`.
 /// Throws Failure.
 [[nodiscard]] Json with_simulated(const DamageCaseFile& parsed,
                                   const identification::FrequencyData& data, std::uint64_t seed);

@@ -322,7 +322,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     if (state.data.predict > 0)
       given.refuse(
           where[s] / "predict",
-          "is allowed only in states without measurements: give it in place of \"frequencies\"");
+          "is allowed only in states without measurements: use it in place of \"frequencies\"");
     for (const double f : state.data.frequencies_hz)
       if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");
     if (s > 0) check_scatters(given, where[s], out.list[0].data, state.data);

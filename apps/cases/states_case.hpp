@@ -10,17 +10,17 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// True if the case has "parameters", or a key in /data or /baseline/data that only states support
+/// True if the case has "parameters", or a key in /data or /baseline/data that requires states
 /// ("states", "masses", "temperature", "known" and others).
 [[nodiscard]] bool has_states(const CaseFile& file);
 
-/// The case with a prior for each coefficient that its states set ("known"), so that parsers of
-/// structures treat the coefficients as parameters. Throws Failure for a name that is also in
-/// /parameters.
+/// Returns the case with an added prior for each coefficient whose value the states give ("known").
+/// Parsers of structures then treat these coefficients as parameters. Throws Failure for a name
+/// that is also in /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
-/// Parses the states at /data. With `damage`, it also parses the states of the healthy structure at
-/// /baseline/data. `simulated` replaces the modes at /data. Throws Failure,
+/// Parses the states at /data. With `damage`, the function also parses the states of the healthy
+/// structure at /baseline/data. `simulated` replaces the modes at /data. Throws Failure,
 /// identification::InvalidInput.
 [[nodiscard]] identification::ObservedStates parse_states(
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,

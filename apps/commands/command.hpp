@@ -32,18 +32,18 @@ struct Invocation {
 struct Command {
   std::string name;
   std::string summary;  ///< description of the command, one line for --help
-  /// True if ranks share the work of the command; other commands run on rank 0 only
+  /// True if MPI ranks divide the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of the cases that the command runs; empty: it runs no case
-  /// The command runs only cases with this key; if empty, only cases without the keys of other
-  /// commands
+  /// Key that the cases of the command must have; if empty, a case must have none of the keys of
+  /// other commands
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the command does not sample a posterior
   MakeCaseRun make_run = {};
   /// For kinds without `make_run`: checks a case and reads its data, without a run. Throws Failure.
   std::function<void(CaseFile)> check = {};
-  /// Adds arguments and options to the command. The options set members of the Invocation, or a
-  /// value that `run` also uses.
+  /// Adds arguments and options to the command. Each option sets a member of the Invocation, or a
+  /// variable that `run` reads.
   std::function<void(CommandOptions&)> add_options = {};
   /// Runs the command. Throws Failure, io::FileError.
   std::function<void(const Invocation&)> run = {};

@@ -13,8 +13,8 @@ struct TextLayout;
 
 namespace wheeltap::apps {
 
-/// Validator of whole numbers in [lowest, highest], which whole_number() parses. The validator
-/// replaces the text of the option by plain digits, so that CLI11 reads the same number.
+/// Validator of whole numbers in [lowest, highest]. The validator parses the text of the option by
+/// whole_number() and replaces this text by plain digits, so that CLI11 reads the same number.
 [[nodiscard]] CLI::Validator whole(std::int64_t lowest, std::int64_t highest);
 
 /// Validator of finite numbers above 0.
@@ -32,12 +32,12 @@ inline constexpr const char* kResults =
     "folder of the results: summary.json, posterior.nc and report.html";
 inline constexpr const char* kSummary = "print summary.json instead of text";
 
-/// Adds options to one command; their values are stored in the Invocation.
+/// Adds options to one command. The values of the options are stored in the Invocation.
 class CommandOptions {
  public:
   CommandOptions(CLI::App& app, Invocation& invocation) : app_(app), invocation_(invocation) {}
 
-  /// The CLI11 command, for options that no other command has.
+  /// The CLI11 command, to add options that no other command has.
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] Invocation& invocation() { return invocation_; }
 

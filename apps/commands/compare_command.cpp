@@ -177,7 +177,8 @@ void print_comparison(const std::vector<Compared>& runs) {
   std::cout << "Most probable: " << io::printable(best.name) << " (" << percent(best.probability)
             << ").";
   if (!best.fits)
-    std::cout << " Its model does not explain the data: it is only the best of these models.";
+    std::cout
+        << " This model does not explain the data: it is only the best of the compared models.";
   std::cout << "\n\n";
   for (const Compared& run : runs) {
     std::cout << "  " << std::left << std::setw(static_cast<int>(widest)) << io::printable(run.name)

@@ -182,8 +182,9 @@ void convert_file(const MeasuredFile& file, const std::string& to) {
       throw Failure(Exit::bad_input,
                     file.path.string() + ": contains no dataset that can be written as " + to);
   } else {
-    throw Failure(Exit::usage,
-                  "--to " + to + ": must be csv, nc or uff, or a file name with such an extension");
+    throw Failure(
+        Exit::usage,
+        "--to " + to + ": must be csv, nc or uff, or a file name with one of these extensions");
   }
   write_text(path, text);
   std::cout << "\nConverted: " << io::printable(path.string()) << "\n";

@@ -187,8 +187,8 @@ std::string simulated(const std::string& kind, CaseFile file, Json truth) {
 
 std::string describe_keys(const std::string& kind) {
   const Report rules = ordered_schema(kind);
-  return "## Every key\n\n`[]` stands for each element of a list. A needed key is required if the "
-         "object that contains it is given. A prior is " +
+  return "## Every key\n\n`[]` stands for each element of a list. A needed key must be given if "
+         "its object is given. A prior is " +
          rules["definitions"]["prior"]["description"].get<std::string>().substr(9) +
          ".\n\n| key | needed | meaning |\n|---|---|---|\n" + KeyTable(rules).text() +
          "\n`wheeltap schema " + kind + "` prints these keys as a JSON Schema.\n";

@@ -9,7 +9,7 @@
 namespace wheeltap::apps {
 
 /// Every key that a case of a kind may have, from the schema of the kind. The result is a Markdown
-/// table; a row has the path of a key, whether it is required, and its meaning. "[]" in a path
+/// table; a row has the path of a key, whether the key is required, and its meaning. "[]" in a path
 /// stands for each element of a list. Throws Failure (64) for a kind without a schema.
 [[nodiscard]] std::string describe_keys(const std::string& kind);
 

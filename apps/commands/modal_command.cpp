@@ -36,9 +36,9 @@ ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::ui
       return set_up.sensors[static_cast<std::size_t>(channel)].name;
     };
     file.refuse(set_up.places[static_cast<std::size_t>(error.channel)],
-                error.original
-                    ? "equals " + name(*error.original) + " except for its scale: leave one out"
-                    : error.reason);
+                error.original ? "equals " + name(*error.original) +
+                                     " except for its scale: omit one of the two"
+                               : error.reason);
   } catch (const signals::ChosenPoleError& error) {
     file.refuse(Pointer("/poles") / static_cast<std::size_t>(error.pole), error.what());
   } catch (const std::invalid_argument& error) {

@@ -166,7 +166,7 @@ std::string man_page(const ProgramText& program) {
          ".SH EXIT STATUS\n"
          "Code 0: done (the last line and summary.json state whether a run has converged). Code "
          "64: bad command line. Code 65: invalid case or data. Code 66: missing or unreadable "
-         "file. Code 70: fault of the program. Code 73: output cannot be written. Code 130: "
+         "file. Code 70: internal error. Code 73: output cannot be written. Code 130: "
          "interrupted before there were results.\n"
          ".SH SEE ALSO\n"
          "\\fBwheeltap schema\\fR prints the JSON Schema of a case, \\fBwheeltap explain\\fR "

@@ -271,8 +271,9 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     validate_against_schema(found.file, "section");
     const SectionMaterial material = material_of(found.file);
     if (found.file.json.at("section").value("shape", "").empty())
-      found.file.refuse(Pointer("/section/shape"),
-                        "is missing: area, second_moment and shear_coefficient are given already");
+      found.file.refuse(
+          Pointer("/section/shape"),
+          "is missing: without a shape, the case must already contain the properties");
     if (const auto odd =
             identification::implausible_material("the section", material.young, material.density))
       warn_of({*odd});

@@ -62,7 +62,7 @@ std::string run_on_alarm(const AlarmCommand& command, const fs::path& summary,
   const std::unique_ptr<FILE, int (*)(FILE*)> input(std::tmpfile(), &std::fclose);
   if (!input || std::fwrite(text.data(), 1, text.size(), input.get()) != text.size() ||
       std::fflush(input.get()) != 0 || lseek(fileno(input.get()), 0, SEEK_SET) != 0)
-    return name + ": no temporary file for its input: " + std::strerror(errno);
+    return name + ": cannot write the temporary file for its input: " + std::strerror(errno);
   const pid_t pid = base::start_program({.file = words[0].c_str(),
                                          .words = words,
                                          .directory = fs::absolute(command.folder).string(),

@@ -16,8 +16,8 @@ namespace wheeltap::apps {
 
 /// Limits of a server and its connections.
 struct ConnectionBounds {
-  /// Largest number of simultaneous connections. If a further connection arrives, the server closes
-  /// the connection that has waited longest for a request.
+  /// Largest number of simultaneous connections. If a connection beyond this number arrives, the
+  /// server closes the connection that has waited longest for a request.
   std::size_t connections = 512;
   std::chrono::seconds idle{60};      ///< longest time between two requests of a connection
   std::chrono::seconds request{20};   ///< longest time from the first to the last byte of a request
@@ -27,9 +27,9 @@ struct ConnectionBounds {
 };
 
 /// A server that gives each connection a thread and a deadline, and limits the number of
-/// connections. The server of httplib lacks such limits: a connection occupies a thread of its pool
-/// as long as single bytes arrive, and request bodies of unknown length may have any size. The
-/// caller must limit the work that a request causes.
+/// connections. The server of httplib has no limits per connection. A connection occupies a thread
+/// of the thread pool as long as single bytes arrive. A request body of unknown length may have any
+/// size. The caller must limit the work that a request causes.
 class BoundedServer : public httplib::Server {
  public:
   explicit BoundedServer(const ConnectionBounds& bounds);

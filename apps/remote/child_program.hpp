@@ -34,7 +34,7 @@ class ChildProgram {
   [[nodiscard]] std::optional<int> ended();
   /// The last line of the child's standard error, without "wheeltap: ".
   [[nodiscard]] std::string last_line() const;
-  /// The output of the child program on standard error since the last call, as read by `ended`.
+  /// Returns the text that `ended` has read from the child's standard error since the last call.
   [[nodiscard]] std::string take_output() { return std::exchange(said_, {}); }
 
  private:

@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 /// plain numbers, one per line. The program must write one number per output to the file {out}. The
 /// file contains a JSON list, a JSON object with such a list as "predictions", or plain numbers
 /// separated by blanks or line ends. In the command, {case} is the folder of the case. A program
-/// name with a / is a path relative to that folder. No shell interprets the words. stdout.txt and
+/// name with a / is a path relative to that folder. No shell interprets the command. stdout.txt and
 /// stderr.txt in the directory contain the output of the program. A timeout kills the run with all
 /// processes that it started.
 class CommandModel final : public identification::OutsideModel {

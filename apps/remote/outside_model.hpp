@@ -20,7 +20,7 @@ inline constexpr const char* kModelRuns = "model-runs.journal";
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
 
-/// Returns the part of a summary on the external model: origin, number of evaluations, emulator
+/// Returns the part of a summary that describes the external model: origin, evaluations, emulator
 /// errors.
 [[nodiscard]] Report outside_report(const OutsideSpec& spec,
                                     const identification::OutsideModel& model,

@@ -170,9 +170,10 @@ class DamageForward final : public OutsideModel {
       : problem_(std::move(problem)), predictor_(*problem_, problem_->predicting()) {
     for (const DefectKind& kind : problem_->damage_case.kinds) {
       if (kind.severity_prior() == nullptr)
-        throw std::invalid_argument("a " + kind.name +
-                                    " has a known severity: the inputs cannot state that there is "
-                                    "no defect");
+        throw std::invalid_argument(
+            "a " + kind.name +
+            " has a known severity: the inputs cannot represent a structure "
+            "without defects");
       inputs_ += static_cast<int>(defect_numbers(kind)) * kind.max_count;
     }
   }

@@ -116,7 +116,7 @@ Json differentiated(Workers& workers, const Json& question) {
     throw Refusal{"UnsupportedFeature", "this model has no gradient"};
   for (const char* key : {"outWrt", "inWrt"})
     if (field(question, key) != 0)
-      throw Refusal{"InvalidInput", std::string(key) + " must be 0: there is one vector"};
+      throw Refusal{"InvalidInput", std::string(key) + " must be 0: there is only one vector"};
   const auto x = input_of(question, workers);
   const auto sens = answered_numbers(field(question, "sens"), workers.outputs(), "sens");
   std::vector<double> slope(x.size());

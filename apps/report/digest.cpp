@@ -177,7 +177,8 @@ Report digest(const io::NetcdfReader& file, const Report& summary) {
   }
   if (const auto group = file.group("sample_stats")) {
     const io::NetcdfArray lp = file.read(*group, "lp");
-    if (lp.shape.size() != 2) file.foreign("has a log posterior of another shape");
+    if (lp.shape.size() != 2)
+      file.foreign("has a log posterior whose dimensions are not (chain, draw)");
     const std::size_t step = std::max<std::size_t>(1, lp.shape[1] / kHistoryPoints);
     const auto [low, high] = std::ranges::minmax(lp.values);
     Report chains = Report::array();

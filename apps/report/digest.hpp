@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 /// - responses: for each response channel, data and 95 % band of replicated data over time,
 ///   spectra, frequency response functions for the excitations, autocorrelation of the residuals.
 ///
-/// Prior densities follow from the case. The i-th of n exchangeable locations has the prior of the
-/// i-th order statistic. Throws io::FileError (corrupt, foreign).
+/// The prior densities are computed from the case. The i-th of n exchangeable locations has the
+/// prior of the i-th order statistic. Throws io::FileError (corrupt, foreign).
 [[nodiscard]] Report digest(const io::NetcdfReader& posterior, const Report& summary);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// Shared parts of the digest: variables of posterior.nc, their draws, bins.
+// Shared parts of the digest: variables of posterior.nc, their draws, histogram bins.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace wheeltap::apps {
 
-// Models with a smaller probability have no charts
+// Models with a probability below this value have no charts
 inline constexpr double kCharted = 0.005;
 inline constexpr std::size_t kHistoryPoints = 400;  // points per chain in the histories
 
@@ -30,8 +30,8 @@ struct Bins {
 };
 
 /// Returns a number of bins proportional to the cube root of the number of draws, as in the rule of
-/// Freedman & Diaconis (1981). The bins are narrower than in the rule, because posteriors often
-/// have several narrow peaks.
+/// Freedman & Diaconis (1981). The bins are narrower than those of this rule, because posteriors
+/// often have several narrow peaks.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Returns n bins over the range of the draws; one bin if all draws are equal.
@@ -59,7 +59,8 @@ struct Series {
   std::string label;     ///< label of the unknown, as in summary.json
   std::size_t slot = 0;  ///< row of the variable, 0-based
   std::string prior;     ///< JSON pointer to the prior of the unknown in the case
-  /// Number of exchangeable unknowns, of which this is the (slot + 1)-th; 0: not exchangeable
+  /// Size of the group of exchangeable unknowns to which this unknown belongs as number slot + 1;
+  /// 0: not exchangeable
   int ordered_among = 0;
   std::string unit;  ///< unit of the unknown; empty if not known
   const io::NetcdfArray* variable = nullptr;

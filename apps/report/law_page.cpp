@@ -119,7 +119,7 @@ prints the complete case of one law.
 - **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the tensions of all its force laws. The
   tensions of links between the same two masses add up.
 - **Values.** A coefficient is a number (known) or the name of a parameter (unknown, with its prior under `parameters`),
-  in SI units. If a law needs only one coefficient, the value of this coefficient may replace the object. A list
+  in SI units. If a law needs only one coefficient, its value may stand in place of the object with the coefficients. A list
   contains several laws of the same kind.
 - **Sides.** A law that acts for one sign of e has the key `side`: `"opening"` (e > 0) or `"closing"` (e < 0). The
   tension of a closing law is the mirror image of that of the opening law: T(e) = -T_open(-e). *Opening* and *closing*

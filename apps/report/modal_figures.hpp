@@ -15,8 +15,8 @@ namespace wheeltap::apps {
 /// phase to minimise its imaginary parts, so the entries of a real mode are on the horizontal axis.
 [[nodiscard]] std::string complexity_figures(const ModesFile& modes);
 
-/// Returns figures of the rotated entries of each mode shape as bars by channel, with 95 %
-/// intervals if there are covariances, and a legend of the channel numbers.
+/// Returns bar charts of the rotated entries of each mode shape by channel, with 95 % intervals if
+/// there are covariances, and a legend of the channel numbers.
 [[nodiscard]] std::string bar_figures(const ModesFile& modes);
 
 }  // namespace wheeltap::apps

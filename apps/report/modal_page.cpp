@@ -191,7 +191,7 @@ std::string agreement(const Report& modes, const Report& set_ups) {
     }
   }
   return plot.framed("set-ups against the merged frequencies", "mode",
-                     "deviation of a set-up, in its standard deviations", inside);
+                     "deviation of a set-up, in units of its standard deviation", inside);
 }
 
 std::string list(const Report& items) {

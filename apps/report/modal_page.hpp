@@ -10,8 +10,8 @@ namespace wheeltap::apps {
 
 /// Returns one self-contained HTML file from summary.json and modes.json. The page has a table of
 /// the modes, their shapes on the geometry and by channel, MAC and complexity. The page also has
-/// the stabilisation diagram with 95 % intervals over the spectrum, damping ratios with 95 %
-/// intervals, and doubtful modes and rejected poles with reasons. With several set-ups, the page
+/// the stabilisation diagram over the spectrum and the damping ratios, both with 95 % intervals,
+/// and the reasons for doubtful modes and rejected poles. With several set-ups, the page
 /// begins with the merged modes and the agreement of the set-ups. Throws nlohmann exceptions,
 /// std::out_of_range and std::invalid_argument for an invalid summary.
 [[nodiscard]] std::string modal_page(const Report& summary, const ModesFile& modes);

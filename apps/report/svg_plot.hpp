@@ -28,7 +28,8 @@ inline constexpr const char* kEnd = " text-anchor=\"end\"";
 /// Returns a complete file with `body` on a white background; `title` is markup.
 [[nodiscard]] std::string svg_sheet(double width, double height, const std::string& title,
                                     const std::string& body);
-/// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `least` > 0.
+/// Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least `least`
+/// > 0.
 [[nodiscard]] double round_step(double least);
 
 /// Axes over a range. The constructor widens a range of zero extent.
@@ -36,7 +37,7 @@ class Plot {
  public:
   Plot(double x0, double x1, double y0, double y1, double height = 200.0);
 
-  /// Position of a value on the drawing.
+  /// The x or y coordinate of a value on the drawing.
   [[nodiscard]] double x(double value) const;
   [[nodiscard]] double y(double value) const;
   /// Returns axes with labels around `inside` (SVG).

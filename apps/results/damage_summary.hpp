@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// Returns a Context with the case and findings to which sentences refer. The arguments must
-/// outlive the Context.
+/// Returns the Context for sentences about this case and these findings. The arguments must outlive
+/// the Context.
 [[nodiscard]] Context damage_context(const DamageCaseFile& damage_case,
                                      const identification::DamageFindings& findings);
 

@@ -15,7 +15,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& damage_case,
                   const identification::DamageFindings& findings, bool colour);
 
 /// Prints the errors of an emulator. With `in_full`, prints the errors per mode and warnings;
-/// otherwise one line per number of damages.
+/// without it, one line per number of damages.
 void print_emulator(std::ostream& out, const identification::EmulatorFinding& emulator, bool colour,
                     bool in_full);
 

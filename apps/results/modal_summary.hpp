@@ -13,7 +13,8 @@ namespace wheeltap::apps {
 /// Returns poles.json, with which the application lets the user choose poles: {"set_ups": [{"file",
 /// "sensors": [{"name", "node", "direction": unit vector or null}], "columns", "poles": [[order,
 /// frequency, …]], "shapes": [{"real", "imaginary"}]}]}. Methods without a stabilisation diagram
-/// give no poles. Entries of shapes have four decimals and are in the quantity of their channel.
+/// give no poles. Entries of shapes have four decimals and refer to the quantity that their channel
+/// measures.
 [[nodiscard]] Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 /// "mse", …}, …], …}.
 [[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Returns which model of a Bayes factor has no draws: its name, "both" if neither model has draws,
-/// or "" if both have draws.
+/// Returns the name of the model without draws in a Bayes factor. Returns "both" if neither model
+/// has draws, and "" if both models have draws.
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 

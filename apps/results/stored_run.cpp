@@ -18,7 +18,7 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-/// The run identifier in a posterior.nc; empty if it is missing or the file is damaged.
+/// The run identifier in a posterior.nc; empty if it is missing or the file is corrupt.
 std::string run_of(const fs::path& path) {
   try {
     return io::read_apart(path, [&] { return read_posterior(path, path)->text("run_id"); });
@@ -87,7 +87,7 @@ void check_seal(const fs::path& path, const Report& wrote_one, const Report& sum
   throw FileError(FileError::Kind::corrupt, path,
                   there < wanted ? "is truncated: it has " + std::to_string(there) + " of the " +
                                        std::to_string(wanted) + " bytes that its run wrote"
-                                 : "is damaged: its checksum differs from that in summary.json");
+                                 : "is corrupt: its checksum differs from that in summary.json");
 }
 
 /// The seal of a file in a summary; null: the file was not written; std::nullopt: no entry.
@@ -160,7 +160,7 @@ std::optional<std::string> finished_run(const fs::path& folder, const CaseFile& 
   const auto& of = summary["files"].value("summary.txt", Report::object());
   if (!text.ends_with('\n') || of != Report{{"lines", std::ranges::count(text, '\n')}}) {
     throw FileError(FileError::Kind::corrupt, folder / "summary.txt",
-                    "is truncated or damaged: its number of lines differs from that in "
+                    "is truncated or corrupt: its number of lines differs from that in "
                     "summary.json");
   }
   return text;

@@ -38,10 +38,10 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
 /// Returns summary.json of a folder; empty if the file is missing or unreadable.
 [[nodiscard]] std::optional<Report> stored_summary(const std::filesystem::path& folder);
 
-/// Returns true if the run in `folder` has this file, false if the summary states that the file
-/// could not be written. Throws io::FileError if the file does not belong to the run: missing;
-/// corrupt (truncated or damaged); mismatch (of another run). Runs of versions without checksums
-/// are not checked.
+/// Returns true if the run in `folder` has the file `name`, false if the summary states that the
+/// file could not be written. Throws io::FileError if the file does not belong to the run: missing;
+/// corrupt (truncated or invalid); mismatch (of another run). Runs of old program versions, which
+/// stored no checksums, are not checked.
 [[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
                              const Report& summary);
 /// Returns the bytes of a file of a run; empty if the run has no such file. Throws the same
@@ -50,9 +50,10 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// Returns the text of the finished run in `folder`. The result is empty if the run is incomplete,
-/// or if version, case, contents of input files, seed or options (in /wheeltap/KEY) differ. Throws
-/// io::FileError if a file does not belong to the run.
+/// Returns the text of the finished run in `folder`. The result is empty if the run is incomplete.
+/// The result is also empty if version, case, contents of input files, seed or options (in
+/// /wheeltap/KEY) differ from those of the present run. Throws io::FileError if a file does not
+/// belong to the run.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
                                                       const CaseFile& file, std::uint64_t seed,
                                                       const std::string& key,

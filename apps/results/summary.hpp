@@ -23,9 +23,9 @@ struct RunInfo {
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
 /// Returns the estimates of a parameter from windows as JSON. "mean", "sd", "q2.5", "q5", "q50",
-/// "q95" and "q97.5" describe the predictive distribution of a further window. "whole" has the same
-/// keys, for the value that the estimate approaches in long records. The other keys are "scatter",
-/// "use" ("windows" or "run") and "windows" (the value of each window).
+/// "q95" and "q97.5" describe the predictive distribution of the estimate from a further window.
+/// "whole" has the same keys, for the value that the estimate approaches in long records. The other
+/// keys are "scatter", "use" ("windows" or "run") and "windows" (the value of each window).
 [[nodiscard]] Report json(const identification::BetweenWindows& between);
 
 /// Returns the parameter estimates as {label: estimate, …}, with "between_windows" if the case

@@ -48,7 +48,7 @@ struct Page {
 /// Returns x with `digits` significant digits; "-" if it is not finite.
 [[nodiscard]] std::string number_or_dash(double x, int digits);
 
-/// Prints the answer of a run in two sentences.
+/// Prints the main result of a run in two sentences.
 void print_answer(const Page& page, const Answer& said);
 /// Prints one bar per model. If there are more than kMostBars models, only the kTopModels most
 /// probable models get a bar.
@@ -62,7 +62,7 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// The probability of a model from the draws so far.
+/// A model and its probability, estimated from the draws so far.
 struct ModelSoFar {
   std::string name;
   double probability;
@@ -99,8 +99,9 @@ class ProgressBar {
   ~ProgressBar() { clear(); }
 
   /// Shows that `fraction` of `stage` is done, followed by `detail`. `left` is the remaining time
-  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage. In
-  /// JSON Lines output, each line also has the key "models" with `models`.
+  /// of the whole run in seconds. Without `left`, the bar shows the remaining time of the stage,
+  /// extrapolated from `fraction`. In JSON Lines output, the key "models" of each line contains
+  /// `models`.
   void show(const std::string& stage, double fraction, const std::string& detail,
             std::optional<double> left = {}, const std::vector<ModelSoFar>& models = {});
   void clear();

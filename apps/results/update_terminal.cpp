@@ -122,7 +122,8 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
             (data.sensors.size() == 1 ? " sensor" : " sensors");
   page.wrapped(line + "; " + std::to_string(findings.numbers) + " numbers", "", "  ");
   if (findings.numbering)
-    out << "Modes without shapes are paired by number. This pairing has "
+    out << "Measured modes without shapes are matched to computed modes by number. This matching "
+           "has "
         << probability_is(findings.numbering->probability) << " under the priors.\n";
   print_answer(page, answer(findings));
   print_updated_parameters(page, findings);

@@ -42,7 +42,7 @@ class CaseRun {
   /// Prints the results of the preparation.
   virtual void print_preparation() const {}
   /// Samples the posterior and diagnoses convergence. Returns std::nullopt on ranks other than the
-  /// first. Passes on every exception that `watch` throws.
+  /// first. Propagates every exception that `watch` throws.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
   /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.
@@ -63,8 +63,8 @@ class CaseRun {
 
 /// Runs the case, writes summary.json, posterior.nc and the report into the output folder, and
 /// prints the findings. With --dry-run, the function only estimates the cost. With --resume, if the
-/// folder has a finished run of the same case and options, it only prints the stored text. Throws
-/// Failure, io::FileError.
+/// folder has a finished run of the same case and options, the function only prints the stored
+/// text. Throws Failure, io::FileError.
 void run_case(CaseRun& run);
 
 }  // namespace wheeltap::apps

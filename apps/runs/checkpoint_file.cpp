@@ -188,7 +188,7 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
   }
   if (!is_sealed_checkpoint(bytes)) {
     throw FileError(FileError::Kind::corrupt, path_,
-                    std::string("is truncated or damaged, or not ") + kCheckpointFormat);
+                    std::string("is truncated or corrupt, or not ") + kCheckpointFormat);
   }
   bytes.resize(bytes.size() - kSeal);
   const io::NetcdfReader file(std::move(bytes), path_, kCheckpointFormat);
@@ -296,7 +296,7 @@ Checkpoint CheckpointFile::saved_draws(long number) const {
     return io::read_bytes(path);
   });
   if (!is_sealed_checkpoint(*bytes) || seal_of(*bytes) != seal->second)
-    throw damaged("is truncated or damaged, or is a part of another checkpoint");
+    throw damaged("is truncated or corrupt, or is a part of another checkpoint");
   bytes->resize(bytes->size() - kSeal);
   return read_state(io::NetcdfReader(std::move(*bytes), path, kCheckpointFormat));
 }

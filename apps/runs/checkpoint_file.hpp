@@ -35,7 +35,7 @@ class CheckpointFile {
   static constexpr const char* kName = "checkpoint.nc";
 
   /// With `resume`, reads an existing checkpoint. Throws io::FileError: corrupt if the file is
-  /// truncated or damaged, foreign if it is not a checkpoint, version if it has another format,
+  /// truncated or invalid, foreign if it is not a checkpoint, version if it has another format,
   /// mismatch (with the difference) if it belongs to another run. With `others_pass`, the
   /// checkpoint of another case is ignored. If an input file has changed, a line on standard error
   /// names it and a new run begins. Without `resume`, removes an existing checkpoint; throws
@@ -44,7 +44,8 @@ class CheckpointFile {
                  bool others_pass = false);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The time steps of the repetition in which the resumed run was stopped.
+  /// Integration settings if the resumed run was stopped during a repetition with smaller time
+  /// steps.
   [[nodiscard]] const std::optional<identification::StepsRefined>& refined() const {
     return refined_;
   }

@@ -104,7 +104,7 @@ std::optional<MonitorState> read_monitor_state(const fs::path& path) {
   const auto checksum = file.column<std::vector<std::int64_t>>(file.root(), "checksum");
   if (io::fingerprint(bytes) != file.text("fingerprint") || rows.size() != 1 ||
       checksum.size() != 1)
-    throw io::FileError(Kind::corrupt, path, "is damaged: run once without --resume");
+    throw io::FileError(Kind::corrupt, path, "is corrupt: run once without --resume");
   MonitorState out{.rows = rows[0],
                    .checksum = static_cast<std::uint64_t>(checksum[0]),
                    .series_csv = file.text("series_csv"),

@@ -33,7 +33,7 @@ std::string in_words(const RunCost& cost) {
   std::string text = "about " + gigabytes(cost.bytes) + " GB of memory";
   if (cost.disk > 0.0) text += " and " + gigabytes(cost.disk) + " of disk";
   if (cost.likelihoods > 0.0) {
-    text += ", " + rounded_cost(cost.likelihoods) + " likelihoods or FE runs";
+    text += ", " + rounded_cost(cost.likelihoods) + " likelihood evaluations or FE runs";
   }
   if (cost.seconds_a_likelihood > 0.0)
     text += " of " + base::significant(1e3 * cost.seconds_a_likelihood, 2) + " ms each";

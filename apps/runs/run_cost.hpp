@@ -1,4 +1,4 @@
-// Estimates of memory, disk and time of a run, and the limits of the command line.
+// Estimates of the memory, disk space and time of a run, and the limits set by the command line.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::apps {
 
-/// Returns the cost in words: "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms
-/// each, 10 s".
+/// Returns the cost in words: "about 0.02 GB of memory, 120 000 likelihood evaluations or FE runs
+/// of 0.3 ms each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
 /// Prints the estimated cost of a "run" or "table" on standard output. This function is
@@ -31,14 +31,14 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
 /// too little free space. The space of existing checkpoint files counts as free.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
-/// Returns the time [s] spent on measuring the time of a likelihood evaluation: 0.5 s with
-/// --dry-run, otherwise 0.1 s.
+/// Returns for how many seconds Wheeltap measures the time of a likelihood evaluation: 0.5 s with
+/// --dry-run, 0.1 s without.
 [[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
   return common.dry_run ? 0.5 : 0.1;
 }
 
-/// Returns the largest size of the draws in memory [bytes]; a run stores further draws on disk.
-/// Without a results folder and without --dry-run, the result is infinity.
+/// Returns the maximum size [bytes] of the draws in memory; a run stores further draws on disk.
+/// If there is neither a results folder nor --dry-run, the size is infinite.
 [[nodiscard]] double draws_in_memory(const CommonOptions& common);
 
 /// Returns the peak memory of this process so far [bytes].

@@ -19,7 +19,8 @@ namespace wheeltap::apps {
 [[nodiscard]] inference::Options engine_options(const CommonOptions& common,
                                                 const SamplingOptions& options);
 
-/// Returns the sampling options as JSON. A summary stores this JSON, and `--resume` compares it.
+/// Returns the sampling options as JSON. A summary stores this JSON, and `--resume` compares it
+/// with the options of the new run.
 [[nodiscard]] Report options_report(const SamplingOptions& options);
 
 /// Writes posterior.nc. Throws io::FileError.
@@ -36,8 +37,9 @@ class RunFiles {
   /// Writes all four files as one transaction; the summary contains the run identifier and the
   /// checksum of posterior.nc. If the disk is full and the folder has no earlier run, the function
   /// writes all files except posterior.nc. If the folder has an earlier run, the function leaves
-  /// the earlier files unchanged and writes summary.unkept.json. In both cases, it returns the
-  /// error with the list of written files. The caller then prints the text and throws the error.
+  /// the earlier files unchanged and writes summary.unkept.json. In both cases, the function
+  /// returns the error with the list of written files. The caller then prints the text and throws
+  /// the error.
   [[nodiscard]] std::optional<io::FileError> keep(Report summary, const std::string& text,
                                                   const std::string& run, const WriteDraws& draws);
 

@@ -31,7 +31,8 @@ class RunWatch {
 
   /// Called when a system identification is repeated with smaller time steps.
   virtual void repeat(const identification::StepsRefined& /*refined*/) {}
-  /// Returns the time steps of the repetition in which a resumed run was stopped.
+  /// If a resumed run was stopped during such a repetition, returns the time steps of the
+  /// repetition.
   [[nodiscard]] virtual std::optional<identification::StepsRefined> refined() const { return {}; }
 };
 

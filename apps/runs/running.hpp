@@ -42,8 +42,8 @@ class StopOnInterrupt {
   std::array<Handler, base::kStopSignals.size()> before_{};
 };
 
-/// Ignores SIGPIPE: if the program that reads standard output ends, this program continues and
-/// writes its files.
+/// Ignores SIGPIPE. If the program that reads the standard output of Wheeltap ends, Wheeltap
+/// continues and writes its files.
 void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();

@@ -15,11 +15,11 @@ namespace wheeltap::apps {
 class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
-/// Otherwise, the class has no effect. Ranks other than the first print nothing on standard output
-/// and error, and use one thread each by default.
+/// In a process without other ranks, the class has no effect. Ranks other than the first print
+/// nothing on standard output and error, and use one thread each by default.
 class JoinedRanks {
  public:
-  /// Throws Failure (64) if there are other ranks and the module is missing.
+  /// Throws Failure (64) if there are other ranks and the MPI module is missing.
   JoinedRanks();
   JoinedRanks(const JoinedRanks&) = delete;
   JoinedRanks& operator=(const JoinedRanks&) = delete;
@@ -42,8 +42,8 @@ void require_same_on_all_ranks(const std::string& what, const std::string& text)
 /// results of library functions may then differ in the last bit.
 void require_equal_processors();
 
-/// Calls f on rank 0 only and returns its result on all ranks. If f throws, the other ranks throw
-/// FailedOnFirstRank.
+/// Calls f on rank 0 only and returns its result on all ranks. If f throws on rank 0, the other
+/// ranks throw FailedOnFirstRank.
 template <class F>
 [[nodiscard]] std::optional<std::string> first_rank_says(F&& f) {
   base::Ranks* all = base::ranks();

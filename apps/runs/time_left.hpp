@@ -9,9 +9,10 @@
 
 namespace wheeltap::apps {
 
-/// Extrapolates the time of the present stage from its elapsed time. For later stages, the time per
-/// likelihood evaluation is the smaller of two averages, over this stage and over the whole run,
-/// because this stage may have few evaluations so far.
+/// Extrapolates the time of the current stage from its elapsed time. For later stages, the time per
+/// likelihood evaluation is the smaller of two averages: over the current stage and over the whole
+/// run. The average over the current stage alone may be inaccurate, because this stage may have few
+/// evaluations so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound [s] of the time per likelihood evaluation in later stages; 0
@@ -37,13 +38,13 @@ class TimeLeft {
 
   /// Returns the remaining time [s] at `seconds` after the start; empty without enough progress.
   std::optional<double> estimate(const inference::Options::Progress& progress, double seconds) {
-    // Smallest time [s] and smallest fraction of the stage for an estimate
+    // An estimate requires at least this time [s] and this fraction of the stage.
     constexpr double kEnough = 1.0, kShare = 0.005;
     if (stage_ != progress.stage) {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      // Fraction of the stage that was done before; a resumed run starts above 0
+      // Fraction of the stage that an earlier run completed; above 0 only in a resumed run
       share_before_ = progress.fraction;
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;

@@ -308,7 +308,7 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
   } else if (findings.models.size() > 1) {
     out.detail = "Probability of at least one defect: " + percent(1.0 - best.probability()) + "." +
                  (best.probability() >= kDecided
-                      ? " The locations below are conditional on at least one defect."
+                      ? " The location estimates below are conditional on at least one defect."
                       : "");
   }
   return out;

@@ -1,4 +1,4 @@
-// The answer of a run: two sentences at the beginning of the terminal text and the report.
+// The main result of a run in two sentences, at the beginning of the terminal text and the report.
 #pragma once
 
 #include <string>
@@ -22,10 +22,10 @@ struct Answer {
 /// Returns the reason why the results of a run are not reliable yet; empty if they are reliable.
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
-/// Returns the answer of a damage run. A model (a number of damages) with a probability of at least
-/// 0.6 is "most likely". If no model reaches 0.6, the run is undecided, and the headline names all
-/// models with at least 10 %. A damage is "not located" if the 95 % credible interval of its
-/// location covers more than a quarter of the beam.
+/// Returns the main result of a damage run. A model (a number of damages) with a probability of at
+/// least 0.6 is "most likely". If no model reaches 0.6, the run is undecided, and the headline
+/// names all models with at least 10 %. A damage is "not located" if the 95 % credible interval of
+/// its location covers more than a quarter of the beam.
 [[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
                             const identification::DamageFindings& findings);
 
@@ -45,8 +45,8 @@ struct SweepRow {
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);
 
 [[nodiscard]] Report json(const Answer& answer);
-/// Reads the answer from a summary. If the summary has no answer (older versions), the result names
-/// the models, without detail.
+/// Reads the main result from the key "answer" of a summary. If the summary does not have this key
+/// (older versions), the result names the models, without detail.
 [[nodiscard]] Answer read_answer(const Report& summary);
 
 }  // namespace wheeltap::apps

@@ -121,8 +121,8 @@ std::string stated(double cv) {
 std::string what_to_check(const std::vector<int>& modes, bool emulated) {
   return (modes.empty() ? std::string()
                         : " (frequencies with errors above 3 sd: " + name_modes(modes) + ")") +
-         (emulated ? ". The emulator error may be larger here than on average over its range: try "
-                     "\"predictor\": \"fe\". Otherwise check"
+         (emulated ? ". The emulator error may be larger here than on average over the training "
+                     "domain: try \"predictor\": \"fe\". If the misfit remains, check"
                    : ". Check") +
          " the model's properties, the mode numbering and data.cov before you use the locations; "
          "or infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";

@@ -18,7 +18,8 @@ namespace wheeltap::apps {
 
 /// Returns " (frequencies with errors above 3 sd: modes 1 to 3). Check the model's …".
 [[nodiscard]] std::string what_to_check(const std::vector<int>& modes, bool emulated);
-/// Returns the coefficient of variation of noise, " of 20 %"; empty if it differs between modes.
+/// Returns the coefficient of variation of the noise: " of 20 %". The text is empty if `cv` is not
+/// finite, that is, if the coefficient differs between modes.
 [[nodiscard]] std::string stated(double cv);
 
 }  // namespace wheeltap::apps

@@ -118,7 +118,7 @@ std::string rejection_in_words(signals::Rejection why) {
     case signals::Rejection::splinter:
       return "part of a mode that another cluster estimates better (high model orders split modes)";
     case signals::Rejection::noise:
-      return "the other modes explain the decays equally well";
+      return "without this mode, the other modes explain the decays equally well";
     case signals::Rejection::not_chosen:
       return "not in the list of poles in the case";
   }
@@ -171,8 +171,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " Hz between spectral lines. Modes are peaks of the first singular value.");
     if (result.method == signals::ModalMethod::enhanced)
       out.push_back(
-          "Frequency and damping are fitted to the time-domain decay of the lines about each peak. "
-          "Standard deviations are computed from " +
+          "Frequency and damping are fitted to the correlation function of the spectral lines "
+          "about each peak. Standard deviations are computed from " +
           std::to_string(result.blocks) +
           " parts of the record and do not include bias: damping is wrong if another mode or a "
           "change of shape truncates the spectral bell.");

@@ -109,7 +109,7 @@ class Speaker {
     }
     return "Rare draws far from the others determine the standard deviation of " + in_words(loose) +
            ": in brackets, its Monte Carlo standard error. A second solution of small probability "
-           "has this effect. Report quantiles, or use more --draws.";
+           "causes such draws. Report quantiles, or use more --draws.";
   }
   std::string operator()(const remark::ImplausibleMaterial& r) const { return sentence(r); }
   std::string operator()(const remark::DeepSection& r) const { return sentence(r); }
@@ -181,7 +181,7 @@ class Speaker {
               significant(hidden.from, 2) + " to " + significant(hidden.to, 2) + " m (95 %)";
     }
     return text +
-           ". Measure more frequencies, or exclude this model by inspection and lower "
+           ". Measure more frequencies. If an inspection excludes this model, lower "
            "damage.count.max.";
   }
   std::string operator()(const remark::NoModelFits& r) const {
@@ -209,7 +209,7 @@ class Speaker {
     const DefectKind& kind = kind_of(r.kind);
     return "The largest number of " + kind.plural + " that the case allows, " +
            std::to_string(kind.max_count) + ", has " + probability_is(r.probability) +
-           ". The run did not consider more: raise " +
+           ". The run did not consider larger numbers: increase " +
            context_.kinds[static_cast<std::size_t>(r.kind)] + ".count.max.";
   }
   std::string operator()(const remark::SeverityAtBound& r) const {
@@ -336,9 +336,9 @@ class Speaker {
   }
   std::string operator()(const remark::StepsTooLong& r) const {
     return "Under \"" + r.model +
-           "\", time steps a quarter as long change the response of the best draw by " +
+           "\", a quarter of the time step changes the response of the best draw by " +
            significant(r.error, 2) +
-           " times the noise sd (norm over all samples): the time steps alone may shift "
+           " times the noise sd (norm over all samples): the time-step error may shift "
            "parameters "
            "by up to " +
            significant(r.error, 2) + " standard deviations. " +

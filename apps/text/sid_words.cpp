@@ -9,9 +9,10 @@ using namespace identification;
 std::string sentence(const remark::ScatterBetweenWindows& r) {
   std::vector<std::string> parts;
   for (const auto& parameter : r.parameters) {
-    parts.push_back(parameter.name + (parts.empty() ? " scatters by " : " by ") +
-                    significant(parameter.factor, 2) +
-                    (parts.empty() ? " times the amount that its interval allows" : " times"));
+    parts.push_back(
+        parameter.name + (parts.empty() ? " scatters by " : " by ") +
+        significant(parameter.factor, 2) +
+        (parts.empty() ? " times the standard deviation that its interval implies" : " times"));
   }
   return "Under \"" + r.model + "\", between the " + std::to_string(r.windows) + " windows, " +
          in_words(parts) + ". Use the " + (parts.size() == 1 ? "interval" : "intervals") +
@@ -26,7 +27,8 @@ std::string sentence(const remark::WindowsUnsound& r) {
   }
   if (!r.rough.empty()) {
     text += std::string(r.failed > 0 ? ", and " : "") +
-            "the likelihood of single windows is far from " + "normal as a function of " +
+            "in more than a quarter of the fitted windows, the likelihood is far from normal as a "
+            "function of " +
             in_words(r.rough);
   }
   return text + ": the intervals between windows are inaccurate. Use fewer, longer windows.";

@@ -20,8 +20,8 @@ namespace wheeltap::apps {
 /// there is only one solution.
 [[nodiscard]] std::vector<std::string> solution_sentences(
     const identification::UpdateFindings& findings);
-/// Returns a sentence on doubtful mode numbers of modes without shapes, with advice; empty if no
-/// number is doubtful.
+/// Returns a sentence, with advice, on modes without shapes whose mode numbers are doubtful; empty
+/// if no number is doubtful.
 [[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
 /// Returns sentences on the limits of the data: parameters whose posteriors equal their priors,
 /// pairs that the data do not distinguish, and directions without information.

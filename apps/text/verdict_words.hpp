@@ -9,9 +9,9 @@
 
 namespace wheeltap::apps {
 
-/// Returns sentences in the order of the reasons. All reasons about the mixing of the chains are in
-/// one sentence. If a reason applies to many models, the sentence names the first four and the
-/// number of others.
+/// Returns sentences in the order of the reasons. One sentence contains all reasons that concern
+/// the mixing of the chains. If a reason applies to many models, the sentence names the first four
+/// and the number of others.
 [[nodiscard]] std::vector<std::string> in_words(const std::vector<inference::Reason>& reasons,
                                                 const inference::ModelSpace& space);
 

@@ -21,8 +21,8 @@ case = {
 result = wt.damage(case, seed=1)
 print(result.answer)
 # %% [markdown]
-# `result.answer` contains the sentences at the top of a report. The probabilities below come from draws, so they have a
-# Monte Carlo error. If `result.converged` is false, do not use the results of the run.
+# `result.answer` contains the main results as text, as at the top of a report. The following probabilities come from
+# draws, so they have a Monte Carlo error. If `result.converged` is false, do not use the results of the run.
 # %%
 for model in result.models:
     print(f"{model['name']:>10}: {model['probability']:.3f} ± {model['mcse']:.3f}   (prior {model['prior']:.2f})")
@@ -32,9 +32,10 @@ figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 5), layout="constrained")
 wt.plot.models(result, ax=top)
 wt.plot.inclusion(result, ax=bottom)
 # %% [markdown]
-# The figure has two peaks, although there is one damage. The beam is symmetric. With the beam length L, a damage at x
-# and a damage at L - x give the same frequencies. No analysis of these data can therefore distinguish the two
-# locations. The following code folds the locations about midspan, so that mirror images coincide:
+# The figure of the locations has two peaks, although there is only one damage. The beam is symmetric. With the beam
+# length L, a damage at x and a damage at L - x give the same frequencies. No analysis of these frequencies can
+# therefore distinguish the two locations. The following code folds the locations about midspan, so that mirror images
+# coincide:
 # %%
 x = result.draws_of("location[1]", "1 damage")
 folded = np.minimum(x, 1.0 - x)
@@ -42,14 +43,15 @@ print(f"left half: {np.mean(x < 0.5):.2f} of the draws; folded: {folded.mean():.
 assert abs(folded.mean() - 0.095) < 0.02
 # %% [markdown]
 # The true damage is in the element from 0.09 to 0.10 m. Location and severity are correlated: a large damage near the
-# support, where the beam hardly bends, has the same effect as a smaller damage further away from the support.
+# support has the same effect as a smaller damage further away from the support, because the beam hardly bends near the
+# support.
 # %%
 wt.plot.pairs(result, "1 damage");
 # %% [markdown]
-# **How can a test distinguish the two locations?** Measure data that depend on which of the two locations is damaged:
-# mode shapes, frequencies with an added mass away from midspan ([several states](../states.md)), or frequencies with
-# other supports. Simulate the planned test before you carry it out. This example simulates the same beam with one
-# clamped end:
+# **How can a test distinguish the two locations?** Measure data that differ between damage at one location and damage
+# at the other: mode shapes, frequencies with an added mass away from midspan ([several states](../states.md)), or
+# frequencies with other supports. Simulate the planned test before you carry it out. This example simulates the same
+# beam with one clamped end:
 # %%
 clamped = {**case, "beam": {**case["beam"], "supports": "clamped-pinned"}}
 told = wt.damage(clamped, seed=1, warmup=2000, draws=2000)

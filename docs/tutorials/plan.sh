@@ -2,7 +2,7 @@
 # # Sensors of a modal test, chosen before the test
 #
 # A modal test costs time and sensors. This tutorial plans the test of a steel portal frame: it chooses 4 of 11 sensors,
-# predicts which damages the test detects, and simulates the test. It needs only the program.
+# predicts which damages the test detects, and simulates the test. The tutorial needs only the program.
 #
 # `wheeltap init` writes a complete case and a page that explains each key of the case. The key `plan` describes the
 # test.
@@ -21,15 +21,15 @@ sed -n '/"plan"/,$p' my-test/plan.json
 # %%
 wheeltap plan my-test/plan.json -o results/plan --scenarios 10000 --check 0 --quiet
 # %% [markdown]
-# For damages drawn from the prior, the first sentence states the probability that the test detects the damage, and the
-# probability that the number and the location of damages are correct. The recommended sensors follow. Further sentences
-# name the smallest detectable damage, and the locations between which the test cannot distinguish. The first table
-# compares sensor layouts. The second table compares tests with other numbers of sensors, record lengths and numbers of
-# modes, and with the added mass.
+# The first sentence of the output applies to damages drawn from the prior. It states the probability that the test
+# detects the damage, and the probability that the inferred number and locations of damages are correct. The recommended
+# sensors follow. Further sentences name the smallest detectable damage, and the locations that the test cannot
+# distinguish. The first table compares sensor layouts. The second table compares tests with other numbers of sensors,
+# other record lengths, other numbers of modes, and the added mass.
 #
 # **Unknown stiffness.** The plan assumes that Young's modulus is known. In reality, Young's modulus in the model has an
 # error. Give Young's modulus a prior, in this example with a relative standard deviation of 3 %. A plan with an unknown
-# coefficient cannot have added masses, so remove `masses`.
+# coefficient cannot have added masses, so remove the key `masses`.
 # %%
 sed -e 's/"young": 210e9/"young": "E"/' -e '/"masses": \[{"node": "B"/d' \
   -e 's/"plan": {/"parameters": {"E": {"log_normal": [26.07, 0.03]}}, "plan": {/' my-test/plan.json > my-test/unknown.json
@@ -40,9 +40,9 @@ wheeltap plan my-test/unknown.json -o results/unknown --scenarios 10000 --check 
 # sensors keeps most of its information about damage.
 #
 # **Rehearsal.** `wheeltap plan` writes a damage case for the recommended sensors. With the key `truth` of this case,
-# Wheeltap simulates one test, with the smallest detectable damage at the most difficult location. The case uses the
-# largest coefficient of variation of the planned modes for all frequencies, so the simulated data are less accurate
-# than the data of the planned test. Therefore this example uses a larger damage, a stiffness reduction of 10 %:
+# Wheeltap simulates one test, with the smallest detectable damage at the most difficult location. For all frequencies,
+# the case uses the largest coefficient of variation of any planned mode. The simulated data are then less accurate than
+# the data of the planned test. For this reason, this example uses a larger damage, a stiffness reduction of 10 %:
 # %%
 wheeltap damage results/plan/damage.json -o results/rehearsal --seed 1 --quiet \
   --set 'damage.truth.defects=[{"member": "left post", "location": 0.15, "reduction": 0.1}]' | head -n 24

@@ -17,7 +17,7 @@ length = 2.0 + 0.3 * cycles + 0.5 * cycles**2 + 0.05 * random.standard_normal(15
 # %% [markdown]
 # The argument of a likelihood function is an array with one parameter vector in each row. The function returns one
 # number for each row: ln p(data | parameters), including all normalising constants. If possible, the engine passes many
-# rows in one call, so that NumPy computes with whole arrays.
+# parameter vectors in one call, so that NumPy computes with whole arrays.
 # %%
 def density(mean, noise):
     return (-0.5 * ((length - mean) / noise) ** 2 - np.log(noise * np.sqrt(2 * np.pi))).sum(axis=1)

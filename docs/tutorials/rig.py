@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Equation of motion of a mass on a spring
 #
-# A known force excites a mass on a spring, and a sensor measures the displacement. Is the spring linear, or does it
-# harden? Define both models as chains of masses and links, with priors for the unknown parameters. The run returns the
-# probability of each model. This example simulates the record of a mass of 0.5 kg on a spring with the stiffness k = 50
-# N/m and the cubic hardening k₃ = 1000 N/m³. The force is white noise, the sampling rate is 100 Hz, and the standard
-# deviation of the measurement noise is 0.05 m.
+# A known force excites a mass on a spring, and a sensor measures the displacement. Is the spring linear, or is it a
+# hardening spring? Define both models as chains of masses and links, with priors for the unknown parameters. The run
+# returns the probability of each model. This example simulates the record of a mass of 0.5 kg on a spring with the
+# stiffness k = 50 N/m and the cubic hardening k₃ = 1000 N/m³. The force is white noise, the sampling rate is 100 Hz,
+# and the standard deviation of the measurement noise is 0.05 m.
 # %%
 import matplotlib.pyplot as plt
 
@@ -32,7 +32,7 @@ axis.set(xlabel="sample", ylabel="displacement [m]");
 # %% [markdown]
 # How long must the record be? In a short record, both models predict nearly the same motion, and the data cannot
 # distinguish them. The simpler model then has the higher probability, because it has fewer free parameters. A longer
-# record shows the hardening.
+# record shows the hardening of the spring.
 # %%
 for samples in (50, 100, 300, 500):
     result = wt.sid(case, changes={"truth.samples": samples}, seed=1, warmup=1000, draws=1000)
@@ -45,8 +45,8 @@ assert result.probabilities["duffing"] > 0.99
 # On average, one in twenty 95 % intervals does not contain the true value. For example, the interval of k from 300
 # samples of this record does not contain the true value k = 50 N/m.
 #
-# The most probable model is only the best model of the list. Before you use the results, check whether this model
-# explains the record. The band in the figure is the 95 % prediction interval, including noise.
+# The most probable model is only the best of the models that you defined. Before you use the results, check whether
+# this model explains the record. The band in the figure is the 95 % prediction interval, including noise.
 # %%
 wt.plot.record(result)
 print("fit:", result.summary["fit"]["ok"])

@@ -21,7 +21,7 @@ wheeltap modal my-beam/modal.json -o my-beam/modal --quiet
 # five sensors and all covariances.
 #
 # **Damage.** The second command reads `modal/modes.json` and infers Young's modulus and the damages together. You need
-# not copy results of the first command into the case. These keys of the case describe the test:
+# not copy any results of the first command into the case. These keys of the case describe the test:
 # %%
 sed -n '/"parameters"/,/^  },/p' my-beam/damage.json
 # %% [markdown]
@@ -36,10 +36,10 @@ sed -n '/"parameters"/,/^  },/p' my-beam/damage.json
 # %%
 wheeltap modes my-beam/damage.json --modes 5
 # %% [markdown]
-# `wheeltap modes` uses the median of the prior of Young's modulus. This value is too large, so all frequencies are too
-# high by the same factor, 10.6155/9.4367. The fifth mode of the beam is therefore at 70.8/10.6155 × 9.4367 = 62.9 Hz,
-# above half the sampling rate of 100 Hz. In two records of the data set, `wheeltap modal` lists an alias of this mode
-# near 39 Hz.
+# `wheeltap modes` uses the median of the prior of Young's modulus. The median is too large, so all computed frequencies
+# are too high by the same factor, 10.6155/9.4367. The fifth mode of the beam is therefore at 70.8/10.6155 × 9.4367 =
+# 62.9 Hz, above half the sampling rate of 100 Hz. In two records of the data set, `wheeltap modal` lists an alias of
+# this mode near 39 Hz.
 #
 # Now identify the damage:
 # %%
@@ -47,10 +47,11 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 # %% [markdown]
 # **Interpretation.**
 #
-# - Three damages have a probability above 99.9 %. The probabilities of zero, one and two damages are negligible.
+# - The probability of three damages is above 99.9 %. The probabilities of zero, one and two damages are negligible.
 # - The locations are 3.0 to 3.5 m on the left span, 4.5 to 5.0 m on the middle span and 2.5 to 3.0 m on the right span.
-#   These are the elements 7, 22 and 38 of the beam, counted from 1. In the model, a damage covers one element. The data
-#   do not determine a position inside the element, so the interval of a location is as long as the element.
+#   These locations are the elements 7, 22 and 38 of the beam, counted from 1. In the model, a damage covers one
+#   element. The data do not determine a position inside the element, so the interval of a location is as long as the
+#   element.
 # - Each reduction is close to 20 %. The intervals of the reductions are valid for a damage that covers exactly one
 #   element of 0.5 m.
 # - The baseline determines Young's modulus with a coefficient of variation of about 0.004 %.
@@ -61,10 +62,10 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 # ## All six records
 #
 # The data set contains six records. For each record, we changed the key `record.file` and ran the same two commands
-# with the default settings. The committee did not publish the true damage. It states that only the elements 7, 22 and
-# 38 may be damaged; the case does not use this information. The team that published the records estimated reductions
-# with a neural network. The team trained the network on computed mode shapes of beams with damage in these three
-# elements only.
+# with the default settings. The committee did not publish the true damage. The committee states that only the elements
+# 7, 22 and 38 may be damaged; the case does not use this information. The team that published the records estimated
+# reductions with a neural network. The team trained the network on computed mode shapes of beams with damage in these
+# three elements only.
 #
 # | record | probability of the number of damages | elements | reduction, 95 % interval | team (elements 7, 22, 38) |
 # |---|---|---|---|---|
@@ -79,7 +80,7 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 #
 # - If the team's reductions below 2 % count as no damage, the most probable number of damages agrees with the result of
 #   the team in all records.
-# - The number of damages is certain only for the records 5 and 6. In record 4, two damages have a probability of 32 %.
+# - The number of damages is certain only for the records 5 and 6. In record 4, the probability of two damages is 32 %.
 #   The data can hardly exclude a small second damage, because 44 elements are candidates and each number of damages has
 #   the same prior probability. In record 4, the most probable position of a second damage is the first element of the
 #   left span. This element is next to the support, where a reduction hardly changes the modes. The expected number of

@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
-/// threshold; i = 0, 1, … is the index among these laws.
+/// Calls visit(i, link, stiffness, threshold, side) for every force law that acts as a spring
+/// beyond a threshold; i = 0, 1, … is the index among these laws.
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;
@@ -35,7 +35,7 @@ struct AnyLaw {};
 ///
 /// N is the number of masses; for N = 0, task.masses gives the number. kSerial is true if link i
 /// joins masses i and i + 1. If all force laws of the chain have the same type, OnlyLaw is this
-/// type, so that no force law is selected at run time. For different types, OnlyLaw is AnyLaw.
+/// type, so that the type is known at compile time. For different types, OnlyLaw is AnyLaw.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:

@@ -57,8 +57,8 @@ class Exact {
     return block;
   }
 
-  /// Assembles the lower halves of A and B, with the time step as unit of time. A force law whose
-  /// bit is set in `regime` enters as a spring T = k e - side · k · threshold.
+  /// Assembles the lower half of the rows of A and B; the unit of time is the time step. Each force
+  /// law whose bit in `regime` is set acts as a spring T = k e - side · k · threshold.
   void assemble(unsigned regime) {
     const int m = masses(), n = order();
     const double h = task_.step, h2 = h * h;
@@ -150,8 +150,8 @@ class Exact {
     multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
     for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
 
-    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. For the time step shortened by
-    // halving, B is multiplied by `factor`.
+    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. The multiplication by
+    // `factor` converts B to the time step after the halvings.
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < j; ++c) {
         V first{}, second{};

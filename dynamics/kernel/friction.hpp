@@ -65,7 +65,7 @@ class Friction {
   /// closes, 0 if it sticks.
   [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
-  /// Returns the magnitude of the change of ë of link f per unit of the link's tension.
+  /// Returns the magnitude of ∂ë/∂T for the extension e and the tension T of link f.
   [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
   /// True if any link sticks in any lane.
   [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
@@ -91,8 +91,9 @@ class Friction {
     }
   }
 
-  /// Determines the stick-slip states for the velocities `v` and the accelerations `free` without
-  /// friction. A link with ė = 0 sticks if |T| < F is possible.
+  /// Determines the stick-slip states from the velocities `v` and from the accelerations `free`,
+  /// which do not include friction. A link with ė = 0 sticks if a tension |T| < F can keep it at
+  /// rest.
   void start(V* v, const V* free) {
     V at_rest[kMaxFrictions] = {};
     for (int f = 0; f < size_; ++f) {
@@ -103,14 +104,14 @@ class Friction {
     settle(at_rest, v, free);
   }
 
-  /// Changes the slipping link f to stick in the lanes with `stop` > 0.
+  /// Changes the state of link f from slip to stick in the lanes with `stop` > 0.
   WHEELTAP_INLINE void stop(int f, V stop) { state_[f] = stop > 0.0 ? V{} : state_[f]; }
-  /// Changes link f to slip in the direction `side` (±1), in the lanes with nonzero `side`. Does
-  /// not update the factorisation.
+  /// Changes the state of link f to slip in the direction `side` (±1), in lanes with nonzero
+  /// `side`. Does not update the factorisation.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
   /// Determines whether the links `at_rest` stick or slip, from the accelerations `free` without
-  /// friction. Also removes the residual rates of extension of sticking links from `v`.
+  /// friction. Also sets the rates of extension of sticking links in `v` to zero.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();
@@ -147,8 +148,8 @@ class Friction {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a slipping link, and for a sticking link whose rate of extension follows from those
-      // of other links.
+      // `usable` is 0 for a slipping link, and for a sticking link whose extension rate follows
+      // from the extension rates of other links.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
       reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};

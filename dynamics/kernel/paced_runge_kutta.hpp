@@ -7,13 +7,13 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The scheme of RungeKutta for chains with force laws whose rate grows with the speed of the link
-/// (LawInfo::paced). For such chains, no constant time step is suitable both near rest and in fast
-/// motion. Let s be the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum
-/// over the links of (rate per unit of speed) · (|ë| + largest change of the drive within a step).
-/// A time step τ is at most the sample interval divided by task.substeps, and satisfies
+/// The scheme of RungeKutta for chains with force laws whose rate grows with |ė| (LawInfo::paced).
+/// For these chains, no constant time step is suitable both near rest and at high velocities. Let r
+/// be the rate per unit velocity of a link. The sum of r |ė| over the links is s, and the sum of r
+/// (|ë| + largest change of the drive within a step) is s'. A time step τ is at most
+/// 1/task.substeps of the sample interval, and at most
 ///
-///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
+///   pace / (s + √(pace s')),   so that   s τ + s' τ² / 2 <= pace = task.pace.
 ///
 /// The time steps of a SIMD lane depend only on the state of this lane. If a link with exact
 /// friction comes to rest or breaks away within a step, the step ends at this time.
@@ -77,11 +77,11 @@ class PacedRungeKutta {
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Product of rate and time step above which the scheme counts as unstable (exact limit on the
+  /// Limit of rate times time step above which the scheme counts as unstable (exact limit on the
   /// negative real axis: 2.79).
   static constexpr double kUnstable = 2.5;
   /// Largest number of friction events in a sample interval. After this number of events, links
-  /// keep their state (slip or stick) until the end of the interval.
+  /// keep slipping or sticking until the end of the interval.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
@@ -132,7 +132,7 @@ class PacedRungeKutta {
     for (int m = 0; m < task_.memories; ++m) to.q[m] = x.q[m] + tau * k.q[m];
   }
 
-  /// Advances from one sample to the next, with drives that are linear in between.
+  /// Advances from one sample to the next; the excitation is linear between the samples.
   [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
@@ -222,7 +222,7 @@ class PacedRungeKutta {
   }
 
   /// Shortens the time step so that it ends when the rate of extension of a link with hysteresis,
-  /// or the internal state of a force law, changes sign. At this time, the rate of the internal
+  /// or the internal state of a force law, changes sign. At this zero, the rate of the internal
   /// state is not smooth. Returns true if the step of any lane was shortened.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {
@@ -242,8 +242,9 @@ class PacedRungeKutta {
   }
 
   /// Reduces `share`, a fraction of the step, to the zero of a parabola. The parabola has the value
-  /// `from` and the slope `slope` at the start of the step, and the value `to` at its end. If the
-  /// zero is at the start of the step, the step keeps a positive length.
+  /// `from` and the slope `slope` at the start of the step, and the value `to` at its end. A zero
+  /// within the fraction kAtTurn of the start of the step is ignored, so that the step keeps a
+  /// positive length.
   WHEELTAP_INLINE static void first_zero(V from, V slope, V to, V& share) {
     V root = slope * slope - 4.0 * (to - from - slope) * from;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
@@ -252,8 +253,8 @@ class PacedRungeKutta {
     share = from * to < 0.0 && at < share && at > kAtTurn ? at : share;
   }
 
-  /// Computes the margin [m/s] of each link with friction to its next event; the margin is negative
-  /// after the event. Returns the smallest margin.
+  /// Computes for each link with friction the distance [m/s] to its next stick-slip event. This
+  /// margin is negative after the event. Returns the smallest margin.
   [[gnu::noinline]] V margins(const State& x, V time, const V* now, const V* next,
                               V* margin) const {
     V tension[kMaxFrictions], drive[M], least = V{} + 1e300;
@@ -338,8 +339,8 @@ class PacedRungeKutta {
   /// Returns the length of the next step, in sample intervals.
   WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
                          Watch& watch) const {
-    // If a force law keeps the link at rest against the drive, ė and ë do not limit the time step.
-    // The change of the drive limits the time step instead.
+    // If a force law keeps the link at rest despite the excitation, ė and ë do not limit the time
+    // step. The change of the excitation limits the time step instead.
     const auto coming = [&](int mass) __attribute__((always_inline)) {
       return mass == 0 ? V{} : next[mass] - now[mass];
     };

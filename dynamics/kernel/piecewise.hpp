@@ -7,12 +7,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Integrates chains whose force laws are all springs beyond a threshold. A chain with such springs
-/// is linear between two switches. A sample interval without a switch uses the exact solution of
-/// the current regime. An interval with a switch uses Taylor series. A switch is detected if the
-/// sign of e - threshold has changed at the end of the interval, or if its tangents at both ends
-/// cross zero. If the sample interval is long relative to the shortest natural period, all
-/// intervals use Taylor series.
+/// Integrates chains whose force laws are all springs active beyond a threshold. A chain with such
+/// springs is linear between two switches. A sample interval without a switch uses the exact
+/// solution of the current regime. An interval with a switch uses Taylor series. A switch is
+/// detected if e - threshold has changed its sign at the end of the interval, or if the tangents of
+/// e at both ends cross the threshold. If the sample interval is long relative to the shortest
+/// natural period, all intervals use Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -141,8 +141,8 @@ class Piecewise : private Exact<N> {
     series_.start(y);
   }
 
-  /// Advances the state by one sample, by series in the lanes of `switched`. Returns true if the
-  /// regime of any lane has changed at the end of the step.
+  /// Advances the state by one sample; the lanes of `switched` use Taylor series. Returns true if
+  /// the regime of any lane has changed at the end of the step.
   [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
     const int m = this->masses(), laws = task().laws;
     V y[M], v[M], now[M], then[M], before[kMaxThresholds];

@@ -86,8 +86,8 @@ class RungeKutta {
     for (int s = 0; s < steps; ++s) {
       // k_j = (velocity, acceleration a_j) at stage j. The velocities of the stages are v, v + h/2
       // a1, v + h/2 a2, v + h a3, so y increases by h v + h²/6 (a1 + a2 + a3). The operations of a
-      // stage depend on each other. The partial sum v + h drive / 2, which is known before the
-      // forces of the stage, is therefore computed first.
+      // stage depend on each other. The partial sum v + h drive / 2 does not depend on the forces
+      // of the stage, and is therefore computed first.
       V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
       yi[0] = vi[0] = vn[0] = V{};
 

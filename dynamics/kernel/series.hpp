@@ -11,9 +11,10 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// linear beyond a threshold. The solution between two samples is analytic except where a force law
 /// switches. Each sample interval is divided into segments, with one series for each segment. A
 /// segment ends after its full length, or earlier when the first force law reaches its threshold. A
-/// step across a switch would have an error of second order in the step length. This error would
-/// depend on the position of the switch and make the likelihood discontinuous. Exact friction adds
-/// events: a slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
+/// time step across a switch would have an error proportional to its squared length. This error
+/// would depend on the position of the switch and make the likelihood discontinuous. Exact friction
+/// adds events: a slipping link comes to rest, or the tension of a sticking link exceeds the slip
+/// force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -106,7 +107,7 @@ class Series {
   /// Returns 1 in the lanes in which force law i is active, else -1.
   [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
 
-  /// Sets the regime of all force laws for the displacements y.
+  /// Sets sign(i) of every force law i for the displacements y.
   WHEELTAP_INLINE void start(const V* y) {
     for (int i = 0; i < switches_; ++i)
       sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
@@ -195,8 +196,8 @@ class Series {
   }
 
  private:
-  /// Largest number of switches per sample interval. After this number of switches, a force law
-  /// that switches repeatedly at its threshold keeps its state.
+  /// Largest number of switches per sample interval. After this number of switches, the force laws
+  /// keep their state (active or inactive) until the end of the interval.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
   /// Tolerances of switching times [sample intervals], for springs and for friction. The tension of
@@ -216,8 +217,8 @@ class Series {
   }
 
   /// Computes the coefficients of y_i(τ) = Σ terms[k][i] τᵏ from the equation of motion in the
-  /// regime of `sign_`. The time τ [sample intervals] begins when the fraction `left` of the sample
-  /// interval remains:
+  /// regime of `sign_`. The time τ [sample intervals] is 0 at the instant at which the fraction
+  /// `left` of the sample interval remains:
   ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
   /// with the powers of e by Cauchy products.
   WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
@@ -295,9 +296,9 @@ class Series {
       acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which link f changes
-  /// between stick and slip; 2: no change. Writes to `side` the direction (+1 or -1) in which the
-  /// friction link starts to slide.
+  /// Returns the first time in [0, length] at which link f changes between stick and slip (length
+  /// <= 1 sample interval), or 2 if the link does not change. Writes to `side` the direction (+1 or
+  /// -1) in which the friction link starts to slide.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);
@@ -322,7 +323,7 @@ class Series {
   }
 
   /// Changes the stick-slip state of the links in the lanes of `change` (one entry per link). In
-  /// the lanes of `unwatched`, events are not detected, and the state follows from the velocities.
+  /// the lanes of `unwatched`, events are not detected; the velocities give the stick-slip state.
   void stick_or_slip(const V* change, const V* side, V until, const V* y, V* v, const V* now,
                      const V* then, V left, V unwatched) {
     const int links = friction_.size();
@@ -330,8 +331,8 @@ class Series {
     for (int f = 0; f < links; ++f) {
       was[f] = friction_.state(f);
       const V broken = was[f] == 0.0 ? change[f] : V{};
-      // The value is 2 at break-away (ė = ë = 0). If no time has elapsed, other links keep their
-      // value.
+      // The value is 2 at break-away (ė = ë = 0). If no time has elapsed, links that already slip
+      // keep their value. All other values become 0.
       const V kept = was[f] == 0.0 ? V{} : fresh_slip_[f];
       fresh_slip_[f] = broken > 0.0 ? V{} + 2.0 : until > 0.0 ? V{} : kept;
       stopping = lanes::max(stopping, was[f] == 0.0 ? V{} : change[f]);
@@ -357,10 +358,10 @@ class Series {
     }
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which force law i
-  /// switches, that is, at which sign · (side · e - threshold) becomes negative; 2: no switch. If
-  /// the force law has just switched, the polynomial has a root at the start; this root is divided
-  /// out of the polynomial.
+  /// Returns the first time in [0, length] at which force law i switches (length <= 1 sample
+  /// interval): sign · (side · e - threshold) becomes negative. Returns 2 if the law does not
+  /// switch. If the force law has just switched, the polynomial has a root at the start, which is
+  /// first removed.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -374,20 +375,21 @@ class Series {
     return first_root(g, length, kSwitchCloseness);
   }
 
-  /// Divides the root at τ = 0 out of g, in the lanes of `fresh`.
+  /// In the lanes of `fresh`, divides the polynomial g by τ, which removes the root of g at τ = 0.
   WHEELTAP_INLINE void shift(V* g, V fresh) const {
     for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
   }
 
-  /// Returns the first time in [0, length], length <= 1 sample interval, at which g becomes
-  /// negative, or 2 if g does not become negative.
+  /// Returns the first time in [0, length] at which g becomes negative (length <= 1 sample
+  /// interval), or 2 if g does not become negative.
   WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
     const int degree = task_.degree;
     V falls[kMaxDegree + 1] = {};
     for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
     const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
     V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
-    // If g is positive at both ends, a root is possible if both end tangents become negative.
+    // If g is positive at both ends, a root is possible if each end tangent is negative at the
+    // other end.
     const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
     const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
     if (any(dips)) {
@@ -409,8 +411,8 @@ class Series {
     return sum;
   }
 
-  /// Finds the root of g in [0, high] for each lane that `wanted` selects, by Newton's method
-  /// safeguarded by bisection. Requires at_high = g(high) < 0. The last Newton step is at most
+  /// Finds the root of g in [0, high] in each lane that `wanted` selects, by Newton's method with
+  /// bisection as safeguard. Requires at_high = g(high) < 0. The last Newton step is at most
   /// `closeness` sample intervals, so that the error of the root is about the square of
   /// `closeness`.
   static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {

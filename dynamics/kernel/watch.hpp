@@ -58,14 +58,14 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// Records which trajectories have failed. The class finds NaN by comparisons, which are false
-/// for NaN, because the compiler may simplify arithmetic such as 0 · x.
+/// Records which trajectories have failed. The class detects NaN by comparisons, which are false
+/// for NaN. Products such as 0 · x are not used, because the compiler may simplify them.
 class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
-  /// Checks a displacement; the caller must call this function for every mass at every sample. A
-  /// lane whose displacement has once exceeded the bound remains failed.
+  /// Checks a displacement; the caller must call this function for every mass at every sample.
+  /// After a displacement has exceeded the bound, the lane remains marked as failed.
   WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
@@ -82,7 +82,7 @@ class Watch {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
   /// Marks the lanes of `stopped`, which need more time steps than allowed, as failed. In the lanes
-  /// of `fast`, no time step would be short enough.
+  /// of `fast`, the motion is so fast that shorter time steps would not help.
   WHEELTAP_INLINE void out_of_steps(V stopped, V fast) {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);

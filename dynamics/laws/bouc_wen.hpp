@@ -70,9 +70,9 @@ struct BoucWen {
     return rate / c[1] *
            (1.0 - base::lanes::power(zeta > 0.0 ? zeta : -zeta, c[2]) * (direction + c[4]));
   }
-  /// Computes the bounds of the slopes at the largest |ζ|, z = (β + γ)^(-1/n): |∂ζ̇/∂ζ| <= |ė|/e_y
-  /// n zⁿ⁻¹ (|β| + |γ|), and |dζ/de| <= (1 + (β - γ) zⁿ) / e_y at a reversal of the motion. The
-  /// rate of yielding is |ė|/e_y.
+  /// Computes bounds of the slopes. With the largest |ζ|, z = (β + γ)^(-1/n), the bounds are
+  /// |∂ζ̇/∂ζ| <= |ė|/e_y n zⁿ⁻¹ (|β| + |γ|) and, at a reversal of the motion, |dζ/de| <= (1 + (β -
+  /// γ) zⁿ) / e_y. The rate of yielding is |ė|/e_y.
   static Slopes slopes(const double* c, double /*e_max*/) {
     const double sum = c[3] + c[4], turning = std::max(1.0, 2.0 * c[3] / sum);
     const double yielding =

@@ -12,7 +12,7 @@ namespace wheeltap::dynamics::laws {
 /// T = F sgn(ė) in slip; in stick |T| <= F, and T has the value that keeps ė = 0.
 ///
 /// The integrators locate the times of the transitions (kernel/friction.hpp). If the creep speed v
-/// is > 0 or a parameter, the law is regularised:
+/// is positive or unknown (a parameter), the law is regularised:
 ///
 ///   T = F tanh(ė / v).
 ///
@@ -24,12 +24,12 @@ struct Coulomb {
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
-          "A number or name in place of the object is the force F of the exact law. In stick, the "
-          "tension takes the value between -F and F that keeps ė = 0. Wheeltap computes the time "
-          "of each change between stick and slip. A `velocity` v regularises the law. For |ė| < v, "
-          "the law is then nearly a damper F/v, so that the link creeps instead of sticking. A "
-          "small v requires small time steps. Use `velocity` only to reproduce results that were "
-          "computed with the regularised law.",
+          "A number or a name in place of the object is the force F of the exact law. In "
+          "stick, the tension takes the value between -F and F that keeps ė = 0. Wheeltap "
+          "computes the time of each change between stick and slip. A `velocity` v regularises "
+          "the law. For |ė| < v, the law is then nearly a damper F/v, so that the link creeps "
+          "instead of sticking. A small v requires small time steps. Use `velocity` only to "
+          "reproduce results that were computed with the regularised law.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
                          .role = factor_of(0),
@@ -46,7 +46,7 @@ struct Coulomb {
                          .example = 0.01}}}};
   static constexpr int kCreep = 1;
 
-  /// The tension in slip, 0 at rest.
+  /// The tension during slip; 0 at rest.
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {
     const V creep = c[0] * base::lanes::tanh(rate / c[1]);

@@ -14,8 +14,8 @@
 //                            speed is the constant 0, and regularised for any other creep speed
 //
 // A force law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
-// memory_rate(c, e, ė, ζ) = ζ̇. A force law whose rates grow with |ė|, for example any force law
-// with memory, sets `kInfo.paced`.
+// memory_rate(c, e, ė, ζ) = ζ̇. A force law sets `kInfo.paced` if its damping rate or the rate of
+// its internal state grows with the speed |ė|. Every force law with memory is an example.
 #pragma once
 
 #include <type_traits>

@@ -6,7 +6,7 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quadratic spring T = k₂ e², the even part of the tension of an asymmetric spring, for example of
+/// Quadratic spring T = k₂ e²: the even part of the tension of an asymmetric spring. An example is
 /// a spring whose potential has two wells of unequal depth.
 struct Quadratic {
   static constexpr LawInfo kInfo{.name = "quadratic",

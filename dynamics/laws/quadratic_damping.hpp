@@ -6,7 +6,7 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Quadratic damping T = c₂ ė |ė|, for example fluid drag. The slope 2 |c₂ ė| grows with the speed.
+/// Quadratic damping T = c₂ ė |ė|, for example fluid drag. The slope 2 |c₂ ė| grows with |ė|.
 struct QuadraticDamping {
   static constexpr LawInfo kInfo{.name = "quadratic_damping",
                                  .formula = "T = c2 ė |ė|",

@@ -22,22 +22,22 @@ struct MotionRow {
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// Computes the coefficients of w(x) or θ(x) from the element's shape functions; exact at nodes. A
-/// location within 1e-9 L of a node counts as this node. Throws std::invalid_argument if x is
-/// outside the beam.
+/// Computes the coefficients of w(x) or θ(x) from the element's shape functions. The result is
+/// exact at nodes. A location within 1e-9 L of a node counts as this node. Throws
+/// std::invalid_argument if x is outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
 /// Computes the fraction of each element's stiffness that remains after its reductions r: Π (1 -
-/// r). This product is accurate even if little stiffness remains; 1 minus the lost fraction would
-/// then have no correct digits.
+/// r). The product is accurate even if little stiffness remains; in this case, 1 minus the lost
+/// fraction would have no correct digits.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
 
-/// Returns the number of rigid-body modes, at most two (translation and rotation), that the
-/// supports of the beam and the added supports do not prevent.
+/// Returns the number of rigid-body modes of the beam with its supports and the added supports: at
+/// most two (translation and rotation).
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
 /// The eigenvalue problem in the free degrees of freedom q, with u = T q. A rigid support N(x) · u

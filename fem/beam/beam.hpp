@@ -17,8 +17,8 @@ struct Material {
   [[nodiscard]] double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
 };
 
-/// Cross-section properties for bending and shear; `section.hpp` computes them for the common
-/// shapes.
+/// Cross-section properties for bending and shear; `section.hpp` computes the properties of common
+/// cross-sections.
 struct Section {
   double area;               ///< A [m²]
   double second_moment;      ///< I about the bending axis [m⁴]

@@ -39,7 +39,7 @@ class DefectColumns {
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
-  /// Number of degrees of freedom that rigid supports remove: one per rigid support.
+  /// Number of degrees of freedom that rigid supports eliminate: one per rigid support.
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
@@ -48,8 +48,8 @@ class DefectColumns {
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² over the springs: an upper bound on the increase of any eigenvalue.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
-  /// The largest k Σ_j c_j² / s_j of the springs: the ratio of the spring stiffness to the
-  /// stiffness of the beam at the same location.
+  /// The largest value of k Σ_j c_j² / s_j over the springs. This value is the ratio of the spring
+  /// stiffness to the stiffness of the beam at the same location.
   [[nodiscard]] double stiffest_spring() const { return stiffest_spring_; }
   /// The matrix L⁻¹ C, column by column.
   [[nodiscard]] const double* columns() const { return columns_.data(); }
@@ -62,12 +62,12 @@ class DefectColumns {
                        ///< near 1
   };
   [[nodiscard]] std::span<const Element> elements() const { return elements_; }
-  /// Index of the column of each listed support; -1 if the beam already restrains the displacement
-  /// at this support.
+  /// Index of the column of each listed support; -1 if the displacement at this support is
+  /// already restrained.
   [[nodiscard]] std::span<const int> support_column() const { return support_column_; }
 
-  /// Replaces the forces η in the columns L⁻¹ C by Γ⁻¹ L⁻ᵀ η: the displacement or strain cᵀφ of
-  /// each column c.
+  /// Computes cᵀφ, the displacement or strain of each column c, from the forces η in the columns
+  /// L⁻¹ C. Replaces η by the result Γ⁻¹ L⁻ᵀ η.
   void strains(std::span<double> eta) const;
 
  private:

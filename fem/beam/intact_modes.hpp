@@ -33,7 +33,7 @@ struct IntactModes {
   /// Throws the same exceptions as the constructor of `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);
 
-  /// Returns the window (near modes and series of S) for this number of added supports.
+  /// Returns the near modes and the series of S for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
   /// Computes Σ_j a_j b_j / s_j, a compliance that is finite also for a beam with rigid-body modes.

@@ -20,9 +20,9 @@ struct Modes {
   int rigid_body_modes = 0;
   /// True if 106-bit Sturm counts confirm each elastic mode i (from 0): at most i eigenvalues
   /// of the assembled problem lie below ω_i² (1 - 1e-12), and more than i below ω_i² (1 +
-  /// 1e-12). Then no mode is missing, and the relative error of each frequency is at most 5e-13
-  /// plus the rounding error of double precision. This error bound excludes the discretisation
-  /// error.
+  /// 1e-12). If all modes are confirmed, none is missing, and the relative error of each frequency
+  /// is at most 5e-13 plus the rounding error of double precision. This error bound excludes the
+  /// discretisation error.
   bool certified = false;
   std::string solver;  ///< "spectra", "dense" or "bisection", with the reason for the choice
 };

@@ -14,19 +14,19 @@ namespace wheeltap::fem {
 /// columns of C span these changes, the frequencies of the beam with s defects are the roots of a
 /// small secular problem
 ///
-///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ,
+///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ.
 ///
 /// The number of eigenvalues of the damaged beam below λ is the number of intact eigenvalues below
 /// λ, plus the negative inertia of S(λ), minus the number of supports (Wittrick & Williams 1971;
-/// Haynsworth 1968). This count brackets every root, so the method misses no mode and exchanges no
+/// Haynsworth 1968). This count brackets every root, so the method neither misses nor interchanges
 /// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
 /// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
 /// Chebyshev series for modes far above the requested ones. From a first-order estimate, the search
 /// for a root needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six.
-/// Initial values from a previous call, for example in a Markov chain, would save little time, and
-/// results would depend on earlier calls.
+/// Initial values from a previous call, e.g. in a Markov chain, are not used: they would save
+/// little time and make results depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object; each
 /// thread needs a separate workspace.
@@ -48,8 +48,8 @@ class Reanalysis {
     bool rotation = false;
   };
 
-  /// Output of `solve`, which computes only the results whose span is not empty. Matrices are
-  /// row-major, with one row per mode.
+  /// Output of `solve`. `solve` computes a result only if the span for this result is not empty.
+  /// Matrices are row-major, with one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< the n <= modes() lowest frequencies, ascending
     /// n × damages: ∂f/∂r for the reduction r of each listed damage, with the other defects fixed
@@ -63,8 +63,8 @@ class Reanalysis {
     std::span<double> shapes;
     std::span<const Point> points;  ///< locations at which shapes are requested
     /// n × supports: ∂f/∂k for the stiffness k of each listed support, with the other defects fixed
-    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support of a displacement that is
-    /// already restrained.
+    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support at an already restrained
+    /// displacement.
     std::span<double> support_gradients_hz = {};
   };
 
@@ -77,18 +77,19 @@ class Reanalysis {
   };
 
   /// Returns an upper bound of the relative error of the frequency `frequency_hz` with these
-  /// defects, compared with exact arithmetic on the same mesh:
+  /// defects, with respect to exact arithmetic on the same mesh:
   ///
-  ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ),
+  ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ).
   ///
-  /// where k is the stiffness of the stiffest added spring, k_beam the stiffness of the beam at
-  /// this spring, and λ_1 the lowest elastic eigenvalue of the intact beam. The most damaged
-  /// element keeps the fraction q = Π (1 - r) of its stiffness. The last term is relevant only in
-  /// two cases. In the first case, added supports restrain a free beam, and compliances of hinges
-  /// and soft springs nearly cancel those of the supports. In the second case, the finite-element
-  /// model has only slightly more modes than the damaged elements have strain-displacement vectors.
-  /// The form of this error bound follows from rounding analysis. The factors of the error bound
-  /// are chosen such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// Here, k is the stiffness of the stiffest added spring, k_beam is the stiffness of the beam at
+  /// this spring, and λ_1 is the lowest elastic eigenvalue of the intact beam. The most damaged
+  /// element keeps the fraction q = Π (1 - r) of its stiffness. The last term of the error bound is
+  /// relevant only in two cases. In the first case, added supports restrain a free beam, and
+  /// compliances of hinges and soft springs nearly cancel those of the supports. In the second
+  /// case, the number of modes of the finite-element model only slightly exceeds the number of
+  /// strain-displacement vectors of the damaged elements. The form of this error bound follows from
+  /// an analysis of rounding errors. The factors of the bound are chosen such that the bound holds
+  /// for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -107,15 +108,15 @@ class Reanalysis {
                       Workspace& workspace, std::span<double> out) const;
 
   /// Computes natural frequencies, their gradients and mode shapes. The gradients are modal strain
-  /// energies,
+  /// energies:
   ///
   ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
   ///
-  /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
-  /// equation 5), with γ = -k for a spring. The gradients take negligible additional run time. For
-  /// a multiple eigenvalue, the gradients are those of one basis of its eigenspace. Throws
+  /// For a mass-normalised mode, ∂λ/∂γ = φᵀ (∂K/∂γ) φ (Fox & Kapoor 1968, AIAA Journal 6:2426,
+  /// equation 5). A spring has γ = -k. The gradients take negligible additional run time. For a
+  /// multiple eigenvalue, the gradients are those of one basis of its eigenspace. Throws
   /// std::invalid_argument in the same cases as `frequencies_hz`, and if a span has the wrong size.
-  /// Throws std::runtime_error if a mode shape cannot be separated from the others.
+  /// Throws std::runtime_error if a mode shape cannot be separated from other mode shapes.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 
@@ -125,9 +126,9 @@ class Reanalysis {
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
   /// locations are the midpoints of the two neighbouring elements. For an element at an end of the
   /// beam, the locations are the midpoints of this element and its neighbour. The slope is 0 for a
-  /// beam of one element. A support acts at a point. For a support, the two locations are 10⁻³
-  /// element lengths before and behind the support, but not outside the beam. Throws the exceptions
-  /// of `solve`.
+  /// beam of one element. A support acts at a point. The two locations are 10⁻³ element
+  /// lengths on either side of the support, but not outside the beam. Throws the exceptions of
+  /// `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

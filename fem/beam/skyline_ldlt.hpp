@@ -91,8 +91,8 @@ class SkylineLdlt {
   }
 
  private:
-  /// Limit of the growth of entries in a stable factorisation. In double or long double, four
-  /// digits may be lost; in 106-bit arithmetic, twelve.
+  /// A factorisation counts as stable if its entries grow by at most this factor. A factorisation
+  /// in double or long double may lose four digits, and one in 106-bit arithmetic twelve digits.
   static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
 
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {

@@ -11,9 +11,9 @@
 
 namespace wheeltap::fem {
 
-/// Computes the rigid-body modes that the supports do not prevent, mass-normalised, one per column.
-/// The modes follow exactly from the geometry, and not from the null space of the rounded matrix K.
-/// Each row is a degree of freedom of the mesh.
+/// Computes the rigid-body modes that the supports allow, mass-normalised, one per column.
+/// The modes are computed exactly from the geometry, and not as the null space of the rounded
+/// matrix K. Each row is a degree of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
@@ -45,7 +45,7 @@ class WidePencil {
   /// std::nullopt if the iteration does not converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// Returns the fraction of q, from 0 to 1 in the norm of M, that is rigid-body displacement.
+  /// Returns the rigid-body fraction of the displacement q, from 0 to 1, in the norm of M.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
   /// Returns u = T q, the displacements of all degrees of freedom of the mesh.

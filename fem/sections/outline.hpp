@@ -63,7 +63,7 @@ struct OutlineError : std::invalid_argument {
 /// and holes clockwise. Neighbouring corners of a ring within the tolerance kSameCorner are merged.
 /// Throws OutlineError, with the faulty part and the value, for
 /// - coordinates that are not finite, fewer than 3 corners, zero area;
-/// - a ring that crosses or touches itself, or a hole that leaves its region or meets another hole;
+/// - a ring that crosses or touches itself, a hole that leaves its region or touches another hole;
 /// - regions that overlap;
 /// - a modulus or density that is not positive, a Poisson's ratio outside (-1, 0.5].
 /// and std::invalid_argument for an outline without regions.

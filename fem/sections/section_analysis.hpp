@@ -1,8 +1,9 @@
 // Computation of section properties: a finite-element solution of Saint-Venant's torsion and
 // flexure problems of a cross-section.
 //
-// With y, z from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit vector j) for M = [∫e
-// y² ∫e yz; ∫e yz ∫e z²], find ω and the flexure functions ψ_y, ψ_z such that, for all v,
+// Let y and z be coordinates from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit
+// vector j) for M = [∫e y² ∫e yz; ∫e yz ∫e z²]. The warping function ω and the flexure functions
+// ψ_y, ψ_z satisfy, for all functions v,
 //
 //   ∫ g ∇ω·∇v   = ∫ g (z ∂v/∂y - y ∂v/∂z)                                        (twist)
 //   ∫ g ∇ψ_j·∇v = ∫ g ν/2 d_j·∇v + 2 (1 + ν_ref) ∫ e c_j·(y, z) v                (shear force j)
@@ -18,9 +19,9 @@
 //   Γ    = ∫ e ω_D²,  ω_D = ω - z_D y + y_D z + a, with D (Trefftz's centre) and a such that ω_D
 //          does no work with extension or bending
 //
-// after Pilkey (2002), Analysis and Design of Elastic Beams, chapters 5 to 7, who assumes one
-// Poisson's ratio. If the regions have different Poisson's ratios, the in-plane strains that
-// compatibility requires are neglected.
+// These formulas follow Pilkey (2002), Analysis and Design of Elastic Beams, chapters 5 to 7, who
+// assumes one Poisson's ratio. If the regions have different Poisson's ratios, the in-plane strains
+// that compatibility requires are neglected.
 #pragma once
 
 #include <span>
@@ -76,10 +77,10 @@ struct SectionLevel {
 };
 
 /// Relative change of each property at the last mesh refinement. For a property near zero, the
-/// change is divided by a reference value instead: by 1e-4 (I_yy + I_zz)²/A for Γ, by a tenth of
-/// the radius of gyration for a centre, and by a twentieth of √(α_yy α_zz) for α_yz. The remaining
-/// error is smaller than the change: it is the change divided by 2^p - 1, where p is the order of
-/// convergence (4 for smooth solutions).
+/// change is divided by a reference value: by 1e-4 (I_yy + I_zz)²/A for Γ, by a tenth of the
+/// radius of gyration for a centre, and by a twentieth of √(α_yy α_zz) for α_yz. The remaining
+/// error is the change divided by 2^p - 1, where p is the order of convergence (4 for smooth
+/// solutions).
 struct SectionErrors {
   double torsion_constant, warping_constant, shear_centre, shear_flexibility;
   [[nodiscard]] double largest() const;

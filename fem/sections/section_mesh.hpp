@@ -18,14 +18,14 @@ struct SectionMeshOptions {
 /// Meshes a section by Ruppert's Delaunay refinement (1995, J. Algorithms 18:548) with exact
 /// predicates. The algorithm halves edges until their diametral circles contain no corner of an
 /// adjacent triangle, and inserts the circumcentres of triangles with too small angles or too long
-/// edges. The algorithm considers only the interior, so that a refinement on one side of a slit
-/// does not cause refinement on the other side. Edges at a sharp corner are split at distances from
-/// the corner that are powers of two, so that the refinement terminates.
+/// edges. The algorithm considers only the interior, so that refinement on one side of a slit does
+/// not spread to the other side. Edges at a sharp corner are split at distances from the corner
+/// that are powers of two, so that the refinement terminates.
 ///
 /// Checks the outline with `checked` first. Throws std::invalid_argument in the same cases as
-/// `checked`, for options out of range, a section of several unconnected parts, a region that is
-/// negligibly small compared with the others, and an outline whose mesh would have more than
-/// `most_points` points.
+/// `checked`. Also throws std::invalid_argument for options out of range, a section of several
+/// unconnected parts, a region that is negligibly small compared with the others, and an outline
+/// whose mesh would have more than `most_points` points.
 [[nodiscard]] TriangleMesh section_mesh(const Outline& outline,
                                         const SectionMeshOptions& options = {});
 

@@ -25,16 +25,17 @@ struct EdgeNumbers {
 };
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
-/// Returns one split ratio per point. Refinement splits an edge at this fraction of the edge's
-/// length, measured from the point. The ratio is ½, but smaller at re-entrant corners of the domain
+/// Returns the split ratio of each point. Refinement splits an edge at this fraction of the edge's
+/// length, measured from the point. The ratio is ½, but below ½ at re-entrant corners of the domain
 /// and of interfaces. At these corners, the solution behaves as r^λ, λ = π / angle. With quadratic
 /// elements, energies keep the order of convergence h⁴ if the ratios are at most 2^(-2/λ) (Babuška,
 /// Kellogg & Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends
-/// on the moduli. At these points, the ratio is that for the smallest possible value, λ = ½.
+/// on the moduli. The ratio there is computed for the smallest possible value of λ, ½.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four triangles. Existing points keep their indices; `shares` gets the
-/// entry ½ for each new point. An edge between two points with split ratios below ½ is halved.
+/// entry ½ for each new point. If both ends of an edge have split ratios below ½, the edge is
+/// halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
 /// Adds `rings` rings of smaller triangles around each point with a split ratio below ½. Each ring

@@ -25,14 +25,14 @@ struct SparseRow {
   [[nodiscard]] bool empty() const { return dofs.empty(); }
 };
 
-/// One strain; twice its energy is factor (row · u)². The factor is 1, or -1 for the geometric
+/// One strain; its energy is ½ factor (row · u)². The factor is 1, or -1 for the geometric
 /// stiffness of a compressed member. The row contains the square root of the stiffness.
 struct Strain {
   SparseRow row;
   double factor = 1.0;
 };
 
-/// The name of a degree of freedom, as messages and sensors use it.
+/// The name of a degree of freedom, as used in messages and for sensors.
 struct DofName {
   std::string place;  ///< a node, or a location on a member
   std::string direction;
@@ -55,8 +55,8 @@ struct Discretisation {
   Eigen::MatrixXd rigid_motions;   ///< n × r: any basis of the strain-free displacements
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
-  /// Selects degrees of freedom whose restraint prevents all rigid motions. The number of these
-  /// degrees of freedom is the number of rigid motions.
+  /// Selects degrees of freedom whose restraint prevents all rigid-body motions: as many degrees of
+  /// freedom as there are independent rigid-body motions.
   [[nodiscard]] std::vector<char> holding_dofs() const;
   /// Computes K u from the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;

@@ -27,10 +27,10 @@ struct MatrixStructure {
 /// Checks the matrices. Throws InvalidStructure (part `masses` for M, `members` for K_j) if a
 /// matrix is not square, differs in size from the others, is not finite, or is not symmetric within
 /// 1e-8 of its largest entry. Also throws InvalidStructure if α <= -1, and if M is not positive
-/// semidefinite, apart from rounding to six digits.
+/// semidefinite (rounding of the entries to six digits is tolerated).
 void validate(const MatrixStructure& structure);
 
-/// Discretises the structure: K_rest is K, and its parts are the summands of K. This function does
+/// Discretises the structure: K_rest is K, and `parts` holds the summands of K. This function does
 /// not search for rigid-body motions; `structure_modes` reports a structure that can move without
 /// resistance as a mechanism. Throws the exceptions of `validate`, but checks only the diagonal and
 /// the 2 × 2 principal minors of M.

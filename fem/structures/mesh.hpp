@@ -10,9 +10,9 @@
 
 namespace wheeltap::fem {
 
-/// The strains of one element of a member: one for the axial force, one for the torque, and in each
-/// plane one for a constant moment and one for a constant shear force. An element has three strains
-/// in a plane structure, and six in a three-dimensional structure.
+/// The strains of one element of a member: one due to the axial force, one due to the torque, and
+/// in each plane one due to a constant moment and one due to a constant shear force. An element has
+/// three strains in a plane structure, and six in a three-dimensional structure.
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
@@ -56,8 +56,8 @@ class Mesh {
   /// deflection along the z axis or the y axis of the section.
   [[nodiscard]] std::array<SparseRow, 4> bending_motions(int element, bool along_z) const;
 
-  /// Returns the indices of the strains of the rotational springs at a node: the springs of member
-  /// ends that are joined to the node with a finite stiffness, and the springs to ground.
+  /// Returns the indices of the strains of the rotational springs at a node: springs between the
+  /// node and member ends (joints of finite stiffness), and springs to ground.
   [[nodiscard]] const std::vector<int>& joint_strains(int node) const {
     return joint_strains_[static_cast<std::size_t>(node)];
   }
@@ -67,7 +67,8 @@ class Mesh {
   /// Returns the displacement along (or the rotation about) a global axis at a point of a member,
   /// computed with the shape functions of the element.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// Returns the displacement along (or the rotation about) any unit vector at a point of a member.
+  /// Returns the displacement of a point of a member along any unit vector, or its rotation about
+  /// this vector.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
   /// Returns the x, y, z axes of a member in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {

@@ -21,8 +21,8 @@ struct SelfMap {
 /// reference nodes, within a tolerance of 1e-6 times the structure's size. The list is empty if the
 /// structure has more than `kMostMappedNodes` nodes (no search) or more than `kMostSelfMaps` maps.
 [[nodiscard]] std::vector<SelfMap> self_maps(const Structure& structure);
-/// Returns the map that reverses the order of the masses and links of a chain, if this map maps
-/// links to links.
+/// Returns the reversal of the order of the masses of a chain, if the reversal maps links to
+/// links.
 [[nodiscard]] std::vector<SelfMap> self_maps(const LumpedChain& chain);
 
 inline constexpr int kMostMappedNodes = 500;

@@ -149,8 +149,8 @@ struct MemberFrame {
   std::array<Vector3, 3> axes;
   double length;
 };
-/// Computes the axes of a member. Throws InvalidStructure for a member without length, or with `up`
-/// parallel to the member.
+/// Computes the local axes of a member. Throws InvalidStructure for a member without length, or
+/// with `up` parallel to the member.
 [[nodiscard]] MemberFrame member_frame(const Structure& structure, int member);
 
 /// Returns the boundaries of a member's elements, as distances from the first end of the member
@@ -158,9 +158,9 @@ struct MemberFrame {
 [[nodiscard]] std::vector<double> element_boundaries(const Structure& structure, int member);
 
 /// Converts a beam to the equivalent plane structure. The structure lies along x from 0, deflects
-/// along y, and has no motion along x. Each member extends from one support of the beam to the next
-/// and keeps the elements of the beam. `depth` is the depth of the section, for cracks. Throws
-/// std::invalid_argument for supports between nodes of the beam's mesh.
+/// along y, and has no motion along x. Each member extends from one support of the beam to the
+/// next, with the elements of the beam between these supports. `depth` is the depth of the section,
+/// for cracks. Throws std::invalid_argument for supports between nodes of the beam's mesh.
 [[nodiscard]] Structure as_structure(const Beam& beam, double depth = 0.0);
 
 }  // namespace wheeltap::fem

@@ -32,7 +32,7 @@ void error_variance(const EmulatorError& error, std::span<const fem::Damage> dam
 
 /// Computes holdout errors, scale and standardised residuals from true and predicted frequencies
 /// [Hz] and unscaled variances [Hz²]. All matrices are FE runs × modes. `has_variance` is true if
-/// the interpolant predicts the variances. A prediction of NaN counts as exact, because the
+/// the interpolant predicts the variances. A prediction of NaN is treated as exact, because the
 /// likelihood then uses the FE solution.
 [[nodiscard]] EmulatorError measured_error(const emulator::RowMatrix& truth,
                                            emulator::RowMatrix predicted,

@@ -23,7 +23,8 @@ struct EmulatorSpec {
       /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
       /// also applies to all further damages.
       sites;
-  /// Levels of the reduction, ascending; space-filling design: two limits (empty: prior limits)
+  /// Levels of the reduction, ascending; space-filling design: lower and upper limit (empty: prior
+  /// limits)
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate over 1/(1-r) instead of the reduction r
   std::optional<double> accuracy;  ///< relative error of a frequency at which grid refinement ends
@@ -32,7 +33,7 @@ struct EmulatorSpec {
       anova;
   std::vector<int>
       /// For space-filling designs: entry i is the number of FE runs for i + 1 damages. The last
-      /// entry also applies to all larger counts
+      /// entry also applies to all larger damage counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of space-filling designs
   std::vector<std::filesystem::path> csv;  ///< user's training runs; file i: with i + 1 damages
@@ -41,7 +42,8 @@ struct EmulatorSpec {
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
   int holdout = 1000;  ///< number of holdout FE runs that measure the error
 
-  /// Number of tables for 1 to `max_count` damages: one per number; with ANOVA, at most two.
+  /// Number of tables for 1 to `max_count` damages: one table per number; with ANOVA, at most two
+  /// tables.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 

@@ -24,11 +24,11 @@ namespace wheeltap::identification {
 /// …. Responses: elastic frequencies [Hz]. Attribute "interpolation": name of the interpolant.
 struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< table i is for i + 1 damages
-  /// Entry i is for i + 1 damages. With ANOVA, `errors` has more entries than `tables`
+  /// Entry i is for i + 1 damages. With ANOVA, also for numbers of damages without a table.
   std::vector<EmulatorError> errors;
   bool symmetrised = false;  ///< predictions are means over damages and their mirror images
-  /// The quantity in which the effects of more than two damages are added. If `anova` is set, the
-  /// table for two damages also contains the intact frequencies.
+  /// The case of more than two damages: the function of the frequency whose changes are added. If
+  /// `anova` is set, the table for two damages also contains the intact frequencies.
   std::optional<emulator::Additive> anova;
 };
 

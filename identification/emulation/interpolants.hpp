@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 using InterpolantTypes = std::span<const emulator::InterpolantType* const>;
 
 /// All types of interpolants. The list includes Delaunay interpolation even if Wheeltap was built
-/// without CGAL; training then throws std::invalid_argument.
+/// without CGAL; in this case, training throws std::invalid_argument.
 [[nodiscard]] InterpolantTypes interpolant_types();
 
 /// The type of the interpolant with this name, or nullptr if there is no such interpolant.

@@ -27,8 +27,9 @@ struct OutsideEmulatorSpec {
 
 /// One Gaussian process per response. The training domain is a box between the bounds of each prior
 /// (for infinite bounds: the prior quantiles at z = ±4). A positive unknown with a range of more
-/// than a decade is replaced by its logarithm. The error variance is the process variance times a
-/// factor >= 1 that is calibrated on the holdout runs (emulator_error.hpp).
+/// than a decade is replaced by its logarithm. The error variance is the variance that the Gaussian
+/// process predicts, times a factor >= 1. This factor is calibrated on the holdout runs
+/// (emulator_error.hpp).
 class OutsideEmulator {
  public:
   /// Runs the model on `threads` threads at the points of the training design and the holdout

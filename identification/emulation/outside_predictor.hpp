@@ -13,8 +13,8 @@ struct OutsidePredictor {
   std::shared_ptr<const OutsideEmulator> emulator = {};
 
   /// Computes all responses and their error variances. Inside the emulator's box, the emulator
-  /// predicts; outside, the model itself, with zero variance. Likelihoods do not call this function
-  /// outside the box. Throws OutsideModelError.
+  /// predicts; outside the box, the model itself predicts, with zero variance. Likelihoods do not
+  /// call this function outside the box. Throws OutsideModelError.
   void predict(std::span<const double> x, std::span<double> out, std::span<double> variance) const {
     if (emulator && emulator->contains(x)) return emulator->evaluate(x, out, variance);
     model->evaluate(x, out);

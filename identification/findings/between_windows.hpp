@@ -15,10 +15,11 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Predictive distribution of the parameter in another window of equal length (not fitted).
+  /// Predictive distribution of the estimate from a new window of equal length, outside the fitted
+  /// windows.
   Interval next;
-  /// Estimate of the parameter value that a fit of the whole record approaches as the record
-  /// becomes longer. The mean is the best estimate from this record; the sd is its standard error,
+  /// Estimate of the limit to which the fitted parameter value converges as the record becomes
+  /// longer. The mean is the best estimate from this record; the sd is its standard error,
   /// computed from the score functions of the windows. `whole` is empty if the posterior of the
   /// whole record has no normal approximation.
   std::optional<Interval> whole = {};

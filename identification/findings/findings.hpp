@@ -62,7 +62,7 @@ struct ModelFinding {
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
-  /// The marginal of a component's parameter; nullptr if the model does not have it.
+  /// The marginal of a component's parameter; nullptr if the model does not have this parameter.
   [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
   /// The marginal of a parameter of the model itself; nullptr if no parameter has this name.
   [[nodiscard]] const Marginal* find(const std::string& name) const;
@@ -117,8 +117,8 @@ struct Findings {
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// If a run has at most this number of models, every model is reported in full. Otherwise, only
-/// models with a probability of at least kWorthFull are reported in full.
+/// If a run has at most this number of models, every model is reported in full. In runs with more
+/// models, only models with a probability of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);

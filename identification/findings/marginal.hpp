@@ -40,7 +40,7 @@ struct Marginal {
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
 /// The weight that each draw of a model has; the average over all draws is 1. The weights differ
-/// only for balanced models (Posterior::log_weight). Averages over models must use the weights.
+/// only with Options::balance (Posterior::log_weight). Averages over models must use the weights.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
 /// The weight of every draw; empty if all weights are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);

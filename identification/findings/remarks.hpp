@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` parameter vectors; there, the likelihood
-/// is set to zero.
+/// For `places` of the `evaluated` parameter vectors, the likelihood was NaN or +∞. The likelihood
+/// of these parameter vectors is set to zero.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -49,12 +49,12 @@ struct NearlyPrior {
   std::vector<Parameter> parameters;
 };
 
-/// Parameters whose standard deviation is determined by rare draws far away: its Monte Carlo
-/// standard error is more than kUncertainSpread of it.
+/// Parameters whose standard deviation depends on rare outlying draws: the relative Monte Carlo
+/// standard error of the standard deviation exceeds kUncertainSpread.
 struct UncertainSpread {
   struct Parameter {
     std::string model, name;
-    double error;  ///< Monte Carlo standard error of the standard deviation, as a fraction of it
+    double error;  ///< relative Monte Carlo standard error of the standard deviation
   };
   std::vector<Parameter> parameters;
 };
@@ -142,7 +142,7 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
-/// A model has at least as many unknowns as data, and no simpler model is notably probable.
+/// A model has at least as many unknowns as data, and every simpler model is improbable.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
@@ -177,12 +177,13 @@ struct NoModelFits {
 struct NeighbouringDamages {
   int kind;  ///< index of the kind of defect in the case
 };
-/// The largest allowed number of defects has a probability of one half or more.
+/// The largest allowed number of defects has a probability above one half.
 struct LargestCount {
   int kind;  ///< index of the kind of defect in the case
   double probability;
 };
-/// At least a quarter of the severity draws of a defect kind lie in the prior's upper 2.3 %.
+/// The posterior of the severity of a defect kind piles up at the upper bound of its prior
+/// (prior_bound.hpp).
 struct SeverityAtBound {
   int kind;
 };
@@ -243,7 +244,7 @@ struct UnknownUnits {
   };
   std::vector<Channel> channels;
 };
-/// Time steps are non-uniform, but by less than the limit for rejection.
+/// Time steps are non-uniform, but the deviation is below the limit for rejection.
 struct UnevenTime {
   signals::Sampling sampling;
 };
@@ -266,15 +267,15 @@ struct InitialStateInferred {
   double share;  ///< RMS of the first samples of the window, divided by the RMS of the response
 };
 
-/// With a quarter of the time step, the response at the best draw changes by `error` times the
-/// noise.
+/// If the time step is divided by four, the response at the best draw changes by `error` times the
+/// standard deviation of the noise (norm over all samples).
 struct StepsTooLong {
   std::string model;
   double error;
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
 /// The posterior means of the parameters fit the record worse than the best draw does. Each channel
-/// has both NRMSE values.
+/// has an NRMSE for the posterior means and one for the best draw.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -311,7 +312,7 @@ struct ColouredResiduals {
   std::vector<std::string> others = {};
 };
 /// The credible intervals in the windows imply a standard deviation of the estimates between
-/// windows. The actual standard deviation is `factor` times the implied one.
+/// windows. The actual standard deviation is `factor` times the implied value.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -335,7 +336,7 @@ struct ParameterAtBound {
 };
 
 /// A one-sided force law (for example of a stop) produces no force in the predicted motion of any
-/// record. In the fraction `share` of the model's draws, its gap never closes.
+/// record. In the fraction `share` of the model's draws, the gap of this force law never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
@@ -345,8 +346,8 @@ struct StopNotReached {
   double share;
 };
 
-/// The analysis assumes that the model error is the same in all states, so that it cancels.
-/// Estimated changes between states therefore do not include the model error.
+/// The analysis assumes that the model error is the same in all states, so that this error cancels
+/// in changes. Estimated changes between states therefore do not include the model error.
 struct ChangesTakenForExact {
   /// Relative standard deviation of the model error of a frequency.
   double discrepancy;

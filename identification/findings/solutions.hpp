@@ -4,13 +4,13 @@
 // Distances are computed in the coordinates in which the prior is standard normal, scaled by the
 // covariance of the draws about their nearest posterior mode. A search finds the posterior modes;
 // each draw belongs to the mode nearest to it. Two posterior modes are one solution if the smallest
-// distance between their draws is at most
+// distance between their draws is at most 3 q. Here,
 //
-//   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
+//   q = the 95 % quantile of the distance from a draw to the nearest other draw of its mode.
 //
-// with the larger quantile of the two posterior modes. In one dimension, the density between
-// separate solutions is then below about a thirtieth of its peak value. A curved or rough ridge is
-// one solution.
+// If q differs between the two posterior modes, the larger q is used. In one dimension, the
+// density between separate solutions is then below about a thirtieth of its peak value. A ridge of
+// the density is one solution, even if the ridge is curved or rough.
 #pragma once
 
 #include <vector>
@@ -28,7 +28,7 @@ struct Solution {
   double chi_square = 0.0;  ///< χ² of the residuals at `best`; NaN if not computed
 };
 
-/// Solutions with a smaller probability are omitted.
+/// Solutions with a probability below this value are omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {

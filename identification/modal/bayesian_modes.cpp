@@ -70,7 +70,7 @@ BandLines band_lines(const Eigen::Ref<const MatrixXd>& records, double sample_ra
                      const ModalBand& band) {
   if (!(sample_rate_hz > 0.0)) refuse("sample rate", sample_rate_hz, "must be positive");
   if (!(band.lowest_hz > 0.0 && band.lowest_hz < band.highest_hz))
-    refuse("lowest frequency", band.lowest_hz, "must be positive and below the highest");
+    refuse("lowest frequency", band.lowest_hz, "must be positive and below the highest frequency");
   if (band.highest_hz >= 0.5 * sample_rate_hz)
     refuse("highest frequency", band.highest_hz, "must be below half the sampling rate");
   const Index n = records.cols();

@@ -25,8 +25,8 @@ struct ModalBand {
 /// Fourier coefficients of accelerations in a frequency band.
 struct BandLines {
   Eigen::VectorXd frequencies_hz;
-  /// Matrix (channels × lines) of F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the
-  /// one-sided spectral density [unit² / Hz].
+  /// Matrix (channels × lines) with the columns F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}. With this
+  /// scale, E[F_k F_kᴴ] is the one-sided spectral density [unit² / Hz].
   Eigen::MatrixXcd transform;
 };
 
@@ -36,16 +36,15 @@ struct BandLines {
 [[nodiscard]] BandLines band_lines(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                    double sample_rate_hz, const ModalBand& band);
 
-/// The likelihood of a band,
+/// The likelihood of a band with m modes, whose shapes Φ have unit length:
 ///
 ///   ln p(F | θ) = -Σ_k ln |E_k| - Σ_k F_kᴴ E_k⁻¹ F_k + const,
 ///   E_k = Φ diag(h_k) S diag(h_k)ᴴ Φᵀ + S_e I,   h_ik = 1 / (1 - β_ik² - 2 i ζ_i β_ik),
 ///   β_ik = f_i / f_k,
 ///
-/// for m modes with shapes Φ of unit length. S is the spectral density of the modal forces divided
-/// by modal mass (m × m, Hermitian). S_e is the spectral density of the sensor noise. S and S_e are
-/// constant over the band. Contributions of other modes count as noise, so the modes of the band
-/// should dominate the spectrum in the band.
+/// S is the spectral density of the modal forces divided by modal mass (m × m, Hermitian). S_e is
+/// the spectral density of the sensor noise. S and S_e are constant over the band. Contributions of
+/// other modes count as noise, so the modes of the band should dominate the spectrum in the band.
 ///
 /// Parameters θ:
 /// - frequency f and damping ratio ζ of each mode;

@@ -35,7 +35,7 @@ struct ModalRecord {
 /// use, and std::invalid_argument as described for each method.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
-/// The spectrum to plot within the band of `result`: the first of these that exists: singular
+/// The spectrum to plot within the band of `result`. The first available spectrum is used: singular
 /// values, frequency response functions, spectra of the channels.
 [[nodiscard]] std::vector<signals::SpectralLevel> spectral_levels(
     const ModalRecord& record, const signals::ModalResult& result);

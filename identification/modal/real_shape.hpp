@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 ///   θ = ½ arg Σ ψ_k²,   dy = Re(e^{-iθ} dψ) + dθ Im(e^{-iθ} ψ),   dθ = Im(Σ ψ_k dψ_k / Σ ψ_k²).
 ///
 /// The data determine only the direction ŷ of y. The covariance of ŷ is P C P + s² ŷŷᵀ, with P = I
-/// - ŷŷᵀ, C the covariance of y, and s² the mean variance on the tangent plane. P removes any
+/// - ŷŷᵀ. C is the covariance of y, and s² is the mean variance in the tangent plane. P removes any
 /// effect of the scale that was chosen for ψ.
 struct RealShape {
   Eigen::VectorXd values = {};      ///< entries of the shape; the largest entry is ±1
@@ -28,7 +28,7 @@ struct RealShape {
 /// multiplied by (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17).
 /// The covariance is also multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)),
 /// because inaccurate weights increase the variance of estimates (Percival et al. 2014, MNRAS
-/// 439:2531). With fewer than 2 p + 3 blocks only the variances are kept.
+/// 439:2531). With fewer than 2 p + 3 blocks, only the variances are kept.
 ///
 /// Throws std::invalid_argument for fewer than 2 entries, a zero shape, inconsistent dimensions,
 /// and a covariance that is not positive definite on the tangent plane.
@@ -36,7 +36,8 @@ struct RealShape {
                                    int blocks);
 
 /// The factor by which `real_shape` multiplies the covariance of `numbers` quantities, estimated
-/// from `blocks` blocks of a record. The factor is 0 if the blocks are too few for correlations.
+/// from `blocks` blocks of a record. The factor is 0 if there are too few blocks to estimate
+/// correlations.
 [[nodiscard]] double estimated_covariance_factor(int numbers, int blocks);
 
 }  // namespace wheeltap::identification

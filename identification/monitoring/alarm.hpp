@@ -3,9 +3,9 @@
 //   S_t = Σ_{τ<=t} Λ_τ,t   (Shiryaev-Roberts; Shin, Ramdas & Rinaldo 2024, e-detectors)
 //
 // Under a correct baseline model, the mean of S_t is at most t (in rows), so that the mean number
-// of rows to a false alarm at threshold A is at least A. As the model may be wrong, the threshold
-// is also calibrated by replay: the detector processes series of standardised residuals. Blocks of
-// residuals are drawn from healthy rows outside the training rows.
+// of rows to a false alarm at threshold A is at least A. Because the baseline model may be wrong,
+// the threshold is also calibrated by replay: the detector processes series of standardised
+// residuals. Blocks of residuals are drawn from healthy rows outside the training rows.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +32,11 @@ struct ReplayOptions {
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = P(the maximum of ln S in a series exceeds ln A).
 ///
 /// Above the median u of the series' maxima, the excesses are assumed exponential with mean h: P(A)
-/// = 1/2 exp(-(ln A - u)/h). h is the mean excess, but at least 1, because under the model the
-/// false-alarm probability in n rows has the bound n/A, which decays with h = 1. Below the median,
-/// P(A) is the fraction of maxima above ln A, interpolated between the maxima. If all maxima are
-/// above ln A, each series has an alarm and the rate is a lower bound.
+/// = 1/2 exp(-(ln A - u)/h). h is the mean excess, but at least 1. The reason for this lower limit:
+/// under the model, the false-alarm probability in n rows is at most n/A, and this bound decays
+/// with h = 1. Below the median, P(A) is the fraction of maxima above ln A, interpolated between
+/// the maxima. If all maxima are above ln A, each series has an alarm and the rate is a lower
+/// bound.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;              ///< u
@@ -45,7 +46,8 @@ struct Replay {
   [[nodiscard]] double rate(double log_threshold) const;
   /// True if the rate at this threshold is a lower bound.
   [[nodiscard]] bool is_lower_bound(double log_threshold) const;
-  /// ln of the threshold at which false alarms have this rate; at least the lowest maximum of ln S.
+  /// ln of the threshold at which false alarms have this rate; at least the smallest of the series'
+  /// maxima of ln S.
   [[nodiscard]] double log_threshold(double rate) const;
 };
 
@@ -58,16 +60,16 @@ void carry(Parcel& parcel, Of& r) {
 /// One-step innovations of healthy rows, n x p.
 struct Innovations {
   Eigen::MatrixXd standardised = {};  ///< innovations divided by their scales; NaN: missing
-  /// Noise variance of each entry, divided by the usual noise variance of the feature. Empty if the
-  /// series states no standard deviations; the ratio is then 1.
+  /// Noise variance of each entry, divided by the usual noise variance of the feature. Empty (all
+  /// ratios are 1) if the series states no standard deviations.
   Eigen::MatrixXd relative_variance = {};
 };
 
-/// Innovations of the first draw's filter, with its trained coefficients, in rows [from, to) of the
-/// series. The drift begins with its stationary distribution, and lagged covariates follow from the
-/// rows before `from`, so that the rows may be anywhere in the training period. Rows whose weather
-/// is unknown (is_weather_known) are omitted, unless the weather of more than half of all rows is
-/// unknown.
+/// Innovations in rows [from, to) of the series, from the filter of the first draw with its trained
+/// coefficients. The drift begins with its stationary distribution, and lagged covariates follow
+/// from the rows before `from`. The rows may therefore be anywhere in the training period. Rows
+/// whose weather is unknown (is_weather_known) are omitted, unless the weather of more than half of
+/// all rows is unknown.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& series,
                                               int from, int to);
 

@@ -11,7 +11,7 @@
 // processes the entries of a row in sequence, which is exact for Gaussian noise. For Student t
 // noise, the predictive density of an entry is Student t, normalised, with the filter's variance S
 // as squared scale. The update multiplies the noise variance of the entry by (nu + v²/S)/(nu + 1),
-// the inverse of the precision that the scale mixture has on average, given the innovation v.
+// the inverse of the mean precision of the scale mixture, given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace wheeltap::identification::monitoring {
 
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
-/// The slow drift's time constant is the length of the training period, but at most this [h].
+/// The slow drift's time constant is the length of the training period, but at most this value [h].
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
 /// Parameters of one posterior draw, for p features and K terms of phi.
@@ -81,10 +81,10 @@ class BaselineFilter {
   /// Updates the state with an entry of innovation v; its variance s includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
-  /// Replaces the drifts by their stationary distributions, independent of the coefficients.
+  /// Gives the drifts their stationary distribution, without correlation with the coefficients.
   void reset_drift(const BaselineParameters& parameters);
 
-  /// Additional noise variance of a feature due to imputed covariates.
+  /// Returns the variance that imputed covariates add to the noise variance of a feature.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
 
   Eigen::VectorXd x;

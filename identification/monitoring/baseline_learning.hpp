@@ -8,14 +8,15 @@
 // - outliers: the sampled likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
 //   residuals r of a preliminary robust fit with nu = 5. The degrees of freedom are then drawn from
 //   a grid, weighted by the evidence of the exact filter.
-// - features are independent in the sampling. The correlation of their drift is estimated from the
-//   residuals and multiplied by a factor 0, 1/2 or 1, drawn with the degrees of freedom.
+// - the sampling treats features as independent. The correlation between the drifts of the features
+//   is estimated from the residuals and multiplied by a factor of 0, 1/2 or 1. The factor is drawn
+//   together with the degrees of freedom.
 // - the lag is common to all covariates; the slow drift's relative variance is common to all
 //   features.
 //
 // The full filter (baseline_filter.hpp) of each draw then processes the training rows, starting
-// from the priors. The only error of the posterior of the coefficients is the filter's
-// approximation of Student's t.
+// from the priors. The posterior of the coefficients is exact except for the filter's approximation
+// of Student's t.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +30,9 @@ namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features have more than
-  /// 80 coefficients in total (without unseen weather). For at most 1000 training entries, 0 means
-  /// 1000 divided by the number of coefficients, limited to the range from this number to 24.
+  /// 80 coefficients in total (not counting the terms for weather outside the training period). If
+  /// there are at most 1000 training entries, 0 means the quotient of 1000 and the number of
+  /// coefficients, limited to the range from 6 (or 4) to 24.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers have equal priors
   bool hinges = true, lag = true;
@@ -48,7 +50,7 @@ struct LearningOptions {
 struct BaselineDraw {
   BaselineParameters parameters = {};
   BaselineFilter filter = {};
-  /// Covariates of the last row with the thermal and the long lag
+  /// Covariates of the last row, delayed by the thermal lag (`lagged`) or by the long lag (`slow`)
   Eigen::VectorXd lagged = {}, slow = {};
   /// Standard deviation of the error of `lagged` due to missing covariates
   Eigen::VectorXd lagged_error = {};

@@ -35,8 +35,9 @@ struct TrainingRows {
   TrainingRows& operator=(const TrainingRows&) = delete;
 };
 
-/// Positions in the sampled parameter vector: lag (if any), rate of the fast drift, slow ratio,
-/// fast ratio of each feature, one number per hinge (covariate index plus a fraction for the knot).
+/// Positions in the sampled parameter vector. The vector contains, in this order: the lag (if any),
+/// the rate of the fast drift, the slow ratio, the fast ratio of each feature, and one number per
+/// hinge (covariate index plus a fraction for the knot).
 struct Layout {
   bool lag;
   std::size_t features;
@@ -47,16 +48,16 @@ struct Layout {
   [[nodiscard]] std::size_t hinge(std::size_t h) const { return slow() + 1 + features + h; }
 };
 
-/// Prepares the rows with robust weights, and sets the medians `reference` of `out`.
+/// Prepares the rows with robust weights, and writes the medians to `out.reference`.
 [[nodiscard]] std::unique_ptr<TrainingRows> prepare(const Series& series,
                                                     const LearningOptions& options, Baseline& out);
 
-/// Lag, hinges and knots that the parameters x define.
+/// Returns the lag, hinges and knots for the parameter vector x.
 [[nodiscard]] CovariateTerms terms_of(const TrainingRows& of, const Layout& layout,
                                       std::span<const double> x);
 
-/// phi of all rows, one column per row, without the terms of unseen weather. Writes the range of
-/// the lagged covariates to `terms`.
+/// phi of all rows, one column per row, without the terms for weather outside the training period.
+/// Writes the range of the lagged covariates to `terms`.
 [[nodiscard]] Eigen::MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms);
 
 [[nodiscard]] ProcessRatios ratios_of(const Layout& layout, std::span<const double> x,

@@ -1,7 +1,7 @@
 // The posteriors of the shift δ for all candidate onsets (change_point.hpp), stored in SIMD layout.
 //
-// The gain k_i of entry i of a row is common to all candidates, so that the innovation of entry j
-// changes with δ by
+// The gain k_i of entry i of a row is common to all candidates. The change of the innovation of
+// entry j per unit of δ is therefore
 //
 //   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
 //
@@ -35,19 +35,21 @@ struct ShiftPosterior {
 class CandidateBank {
  public:
   CandidateBank() = default;
-  /// `blocks` lists BaselineParameters::block() of the draws; δ has `prior_variance`, p x kSizes.
+  /// `blocks` holds BaselineParameters::block() of each draw, and `prior_variance` the prior
+  /// variances of δ (p x kSizes).
   CandidateBank(const std::vector<int>& blocks, const Eigen::MatrixXd& prior_variance);
 
   /// Adds a candidate that has no rows yet, and returns its slot. `weight` holds the prior
-  /// probabilities of the hypotheses, (1 + p) x kSizes, and `draws` those of the draws.
+  /// probabilities of the hypotheses, (1 + p) x kSizes, and `draws` the prior probabilities of the
+  /// draws.
   int add(const Eigen::MatrixXd& weight, const Eigen::VectorXd& draws);
   void release(int slot);
   [[nodiscard]] ShiftPosterior posterior(int slot, int draw) const;
   /// Total number of slots, used and free.
   [[nodiscard]] int slots() const { return static_cast<int>(used_.size()); }
 
-  // Calls for one row: for each draw, first begin, then score and update for each present entry,
-  // then finish. After all draws, call weigh.
+  // Order of the calls for one row: for each draw, call begin, then call score and update for each
+  // present entry, then call finish. After all draws, call weigh.
 
   struct RowStart {
     const Eigen::VectorXd& h;          ///< observation vector of every feature
@@ -63,12 +65,14 @@ class CandidateBank {
   /// probable hypotheses, weighted by the candidates' masses. Returns 0 if all candidates are
   /// excluded.
   double score(int j, double v, double s);
-  /// Conditions every δ on the entry that was scored last; `gain` is the Kalman gain of the state.
+  /// Conditions every δ on the entry of the last call of `score`; `gain` is the Kalman gain of the
+  /// state.
   void update(double inflated, const Eigen::VectorXd& gain);
   void finish();
-  /// Adds the row's densities to the weights of draws and hypotheses. `unshifted` has, per draw, ln
-  /// of the row's density without a shift; the fraction `share` of the weight is redistributed
-  /// evenly between the draws. Returns ln of the row's density under each slot's candidate.
+  /// Multiplies the weights of draws and hypotheses by the row's densities. `unshifted` has, per
+  /// draw, ln of the row's density without a shift; the fraction `share` of the weight is
+  /// redistributed evenly between the draws. Returns, for each slot, ln of the density of the row
+  /// under the candidate in this slot.
   [[nodiscard]] std::vector<double> weigh(const Eigen::VectorXd& unshifted, double share);
 
  private:

@@ -7,27 +7,28 @@
 //
 // A transient is a temporary effect of thaw, wind, traffic or wrong modal identification. A
 // transient does not count as a change. The model without a change is a mixture: the baseline, and
-// transients that began at any row. A change must explain the data better than this mixture. The
-// probability of a decayed transient is transferred to the baseline, and at each row also the
-// probability that transients have ended early.
+// transients that began at any row. A change must explain the data better than this mixture. At
+// each row, probability moves from the transients to the baseline: the probability of each decayed
+// transient, and the probability that a transient has ended early.
 //
-// A shift acts linearly. The innovations of a filter that assumes no shift are then v_t + G_t δ; a
-// recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
-// candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
-// which is exact for Gaussian noise. The prior of δ has two equally probable components, with s one
-// of kShiftSizes (equally probable) and r_j the residual sd of feature j:
+// A shift acts linearly. After a shift, the innovations of a filter that assumes no shift are v_t +
+// G_t δ; a recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976).
+// For each candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the
+// posterior of δ, which is exact for Gaussian noise. The prior of δ has two equally probable
+// components: a shift of all features, and a shift of exactly one feature. In the second component,
+// all features are equally probable. In both components,
 //
-//   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
+//   δ_j ~ N(0, (s r_j)²), s: one of kShiftSizes (equally probable), r_j: residual sd of feature j.
 //
 // For Student t noise, predictive densities are normalised as in baseline_filter.hpp. All
 // candidates share one noise inflation per entry: the mean over the candidates, weighted by
-// posterior mass. The filter without a change has a separate noise inflation, because entries after
-// damage are outliers for this filter only.
+// posterior mass. The filter without a change has a separate noise inflation, because only this
+// filter treats entries after damage as outliers.
 //
-// Fixed-share update of the parameter draws: at each row, the fraction `fixed_share` of all weights
-// is redistributed evenly (Herbster & Warmuth 1998), so that every draw keeps some weight. Every
-// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
-// change.
+// The weights of the parameter draws have a fixed-share update (Herbster & Warmuth 1998). At each
+// row, the fraction `fixed_share` of all weights is redistributed evenly, so that every draw keeps
+// some weight. Every predictive density is normalised, hence Λ_τ,t is a test martingale under the
+// mixture without a change.
 #pragma once
 
 #include <cstdint>
@@ -51,8 +52,9 @@ struct ChangePointOptions {
   double transient_ends_per_hour = 1.0 / kTransientHours;
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: only steps
   int ramp_every = 24;       ///< rows between two candidate ramps
-  /// All candidates younger than this number of rows are kept, and `kept_per_octave` older
-  /// candidates per doubling of age. 0: all candidates are kept.
+  /// All candidates that began less than this number of rows ago are kept. Of the older candidates,
+  /// `kept_per_octave` are kept per doubling of the age. For ramps, four times this number of rows
+  /// and two candidates per doubling apply. 0: all candidates are kept.
   int young = 16;
   int kept_per_octave = 5;
   double fixed_share = 0.01;  ///< fraction of the draws' weight that each row redistributes
@@ -69,7 +71,8 @@ struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
   double hours = 0.0;    ///< time of row `row`
   double first_hours = 0.0, last_hours = 0.0;  ///< times of the earliest and latest merged onset
-  /// Mean and variance of the merged onsets' times, weighted by their posterior masses
+  /// Mean and variance of the times of the merged onsets, weighted by the posterior masses of the
+  /// onsets
   double mean_hours = 0.0, variance_hours = 0.0;
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
@@ -90,12 +93,12 @@ void carry(Parcel& parcel, Of& c) {
          c.log_ratio, c.log_wealth, c.log_prior, c.slot);
 }
 
-/// Prediction of a row without a change since the last alarm.
+/// Prediction of a row if no change occurred since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< mean and sd of the p features' logarithms, over the draws
   Eigen::VectorXd weather;   ///< posterior mean effect of the covariates (p entries)
-  /// False if the row has no features, or if missing covariates leave the effect of the weather
-  /// unknown (ChangePoint::add).
+  /// False if the row has no features, or if the effect of the weather is unknown because
+  /// covariates are missing (ChangePoint::add).
   bool is_scored = true;
 };
 
@@ -115,11 +118,11 @@ class ChangePoint {
 
   /// Processes the next row; all its features may be missing. The features of a row are not used if
   /// the error from missing covariates may shift a feature by more than kLargestWeatherError times
-  /// its residual standard deviation. Such an error is common to many rows and would look like a
-  /// change.
+  /// its residual standard deviation. An error from missing covariates is common to many rows and
+  /// would resemble a change of the structure.
   PredictedRow add(const Row& row);
 
-  /// ln of the Shiryaev-Roberts statistic: the sum over the wealth of all candidates.
+  /// ln of the Shiryaev-Roberts statistic: the sum over the terms of all candidates.
   [[nodiscard]] double log_statistic() const;
   [[nodiscard]] ChangeEstimate estimate() const;
   /// Probability of a change since the last accepted change.
@@ -127,8 +130,8 @@ class ChangePoint {
   /// Posterior probabilities of the parameter draws, summed over the models with and without a
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Adds the present shift to the intercepts, and removes all candidates. The state gets the mean
-  /// and covariance of a mixture: no change, and all candidates with all their hypotheses.
+  /// Adds the current shift to the intercepts, and removes all candidates. The new state has the
+  /// mean and the covariance of a mixture over "no change" and all hypotheses of all candidates.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates

@@ -5,10 +5,11 @@
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
 // Each of the last four entries stands for kUnseenSegments terms: the lengths of u within the
-// segments between kUnseenKnots. Their sum is piecewise linear with one slope per segment. The
-// "long" terms use v with the lag kLongLagHours, for example for frozen ground. All these terms are
-// zero in the training period, so training does not change the priors of their coefficients.
-// Predictions are wider outside the training period, and wider again in each new segment.
+// segments between kUnseenKnots. The weighted sum of these terms is piecewise linear in u, with one
+// slope per segment. The "long" terms use v with the lag kLongLagHours, for example for frozen
+// ground. All these terms are zero in the training period, so training does not change the priors
+// of their coefficients. Prediction intervals are wider outside the training period, and widen
+// again in each new segment.
 #pragma once
 
 #include <concepts>
@@ -47,16 +48,18 @@ class CovariateScaling {
     bool imputed = false;
   };
   /// An entry more than kLargestDeviation standard deviations from the mean, for example the error
-  /// code -999, counts as missing. A missing entry gets its conditional mean and variance, given
-  /// the present entries, from the normal distribution with mean and covariance of the training
-  /// period.
+  /// code -999, counts as missing. Missing entries are imputed from the normal distribution with
+  /// the mean and covariance of the training period: by their conditional mean and variance, given
+  /// the present entries.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
-  /// Scales a row of a time series like the function above. In addition, an entry counts as missing
-  /// if it exceeds the range of the training period by more than a jump and differs by more than a
-  /// jump from this covariate's last reading and last used entry. A single wrong reading thus does
-  /// not determine the effect of weather outside the training period. A jump is kLargestJump
-  /// standard deviations, or twice the largest change between two rows of the training period. The
-  /// imputed variance is at least the squared difference between this entry and its imputed value.
+  /// Scales a row of a time series by the rules for a single row. In addition, an entry counts
+  /// as missing if two conditions hold: it exceeds the range of the training period by more than a
+  /// jump, and it differs by more than a jump from the covariate's last reading and last used
+  /// entry. A single wrong reading thus does not determine the effect of weather outside the
+  /// training period. A jump is the larger of kLargestJump standard deviations and twice the
+  /// largest change between two rows of the training period. If the unused reading is at most
+  /// kLargestDeviation standard deviations from the mean, the variance of the imputed value is at
+  /// least the squared difference between the reading and the imputed value.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates, LastCovariates& last) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
@@ -84,7 +87,8 @@ class CovariateScaling {
 
 inline constexpr double kLongLagHours = 72.0;
 inline constexpr int kUnseenSegments = 3;
-/// Left ends of the segments, in standard deviations beyond the extremes of the training period.
+/// Start of each segment: distance of the covariate from the extreme value of the training period,
+/// in standard deviations.
 inline constexpr double kUnseenKnots[kUnseenSegments] = {0.0, 1.0, 4.0};
 /// Number of terms "cold" to "long warm" at the end of phi
 inline constexpr int kUnseenTerms = 4 * kUnseenSegments;
@@ -99,7 +103,8 @@ struct CovariateTerms {
   Eigen::VectorXd low = {}, high = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< extremes of v with the long lag
 
-  /// Number of terms in phi for c = `covariates` used covariates: 1 + c + knots + kUnseenTerms.
+  /// Number of terms in phi for c = `covariates` used covariates: 1 + c + knots, and kUnseenTerms
+  /// more if c > 0.
   [[nodiscard]] int size(int covariates) const {
     return 1 + covariates + static_cast<int>(knots.size()) + (covariates > 0 ? kUnseenTerms : 0);
   }

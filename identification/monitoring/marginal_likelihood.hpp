@@ -41,7 +41,7 @@ struct MarginalLikelihood {
 };
 
 /// Computes ln p(y), with all normalising constants, and the posterior. `hours` has the times of
-/// all rows, and `terms` (K x all rows) their phi.
+/// all rows, and `terms` (K x all rows) has the vector phi of each row.
 [[nodiscard]] MarginalLikelihood marginal_likelihood(const std::vector<double>& hours,
                                                      const Eigen::MatrixXd& terms,
                                                      const FeatureRows& feature,

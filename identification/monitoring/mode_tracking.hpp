@@ -5,15 +5,15 @@
 //   m_kt = w_k(u_t) + a_kt, a_kt: random walk (local level), w_k: effect of covariates,
 //
 // The mode also has a reference shape and a probability D_k of being identified. An assignment σ
-// maps each tracked mode to an identified mode of its own, or to none:
+// maps each tracked mode to a different identified mode, or to none:
 //
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
 //
-// The density of spurious modes over ln f is λ. The density p(ln f) is Student's t about m_k mixed
-// with a broad normal density, so that a mode remains assigned after damage has shifted it by
-// several per cent. The density p(1 - MAC) is exponential, mixed with the uniform density of
-// spurious modes.
+// The density of spurious modes over ln f is λ. The density p(ln f) is a mixture of Student's t
+// about m_k and a broad normal density. A mode therefore remains assigned after damage has shifted
+// its frequency by several per cent. The density p(1 - MAC) is exponential, mixed with the uniform
+// density of spurious modes.
 //
 // The marginal probabilities of all pairs (tracked mode, identified mode) are exact sums over
 // assignments. A recursion over tracked modes and over sets of identified modes computes these sums
@@ -48,7 +48,7 @@ struct TrackingOptions {
 
 struct TrackedMode {
   double log_frequency = 0.0;  ///< median of ln f in the training records
-  /// Sd of ln f about its prediction, excluding the sd of its identification
+  /// Sd of ln f about its prediction, without the contribution of the identification error
   double scatter = 0.01;
   double discrepancy = 0.02;  ///< mean of 1 - MAC in training
   double detection = 0.9;     ///< D
@@ -76,7 +76,8 @@ class ModeTracker {
   /// The tracked modes, in ascending order of frequency.
   [[nodiscard]] const std::vector<TrackedMode>& modes() const { return modes_; }
 
-  /// Assigns all records in order of time, including the training records.
+  /// Assigns the modes of all records, including the training records, to the tracked modes. The
+  /// records are processed in order of time.
   [[nodiscard]] std::vector<TrackedRecord> track(const std::vector<IdentifiedRecord>& records,
                                                  const Eigen::MatrixXd& covariates) const;
 

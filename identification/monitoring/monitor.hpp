@@ -13,15 +13,17 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// If set, this number of rows replaces the rate of false alarms per year.
+  /// If set, this mean number of rows between false alarms replaces the rate of false alarms per
+  /// year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// False: the threshold is computed from the model; replay only reports its false-alarm rate.
+  /// False: the threshold is computed from the model; the replay only gives the false-alarm rate of
+  /// this threshold.
   bool is_calibrated = true;
-  /// Number of rows after an alarm that refine the estimate of the change. Then the monitor accepts
-  /// the change and resets the detector.
+  /// Number of rows after an alarm that refine the estimate of the change. After these rows, the
+  /// monitor accepts the change and resets the detector.
   int settling_rows = 24;
   /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
@@ -58,18 +60,19 @@ class Monitor {
   /// A copy with the trained state, for another stated rate of false alarms, without new training.
   [[nodiscard]] Monitor with_rate(double false_alarms_per_year, bool is_calibrated) const;
 
-  /// One-step predictions of the training rows, without alarm statistic, by the filter that belongs
-  /// to the first parameter draw. Empty for a monitor restored from bytes.
+  /// One-step predictions of the training rows, without the alarm statistic. The filter uses the
+  /// first draw of the parameters. Empty for a deserialised monitor.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
   [[nodiscard]] const ChangePoint& change() const { return change_; }
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold from the model for the stated rate of false alarms. The next two functions
-  /// return ln of the threshold from the replay, and ln of the larger of both, which Monitor uses.
+  /// ln of the threshold that the model gives for the stated rate of false alarms.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
+  /// ln of the threshold that the replay gives for this rate.
   [[nodiscard]] double log_threshold_replayed() const;
+  /// ln of the threshold in use: with calibration the larger threshold, otherwise the model's.
   [[nodiscard]] double log_threshold() const {
     return is_calibrated_ ? std::max(log_stated_, log_threshold_replayed()) : log_stated_;
   }

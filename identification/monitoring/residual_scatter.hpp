@@ -7,7 +7,7 @@ namespace wheeltap::identification::monitoring {
 
 /// Median and robust covariance of p columns of n residuals; NaN: missing. Standard deviations are
 /// 1.4826 times the median absolute deviations. Correlations are computed from values clipped at
-/// three standard deviations, over the rows with both entries.
+/// three standard deviations, over the rows in which both values are present.
 struct Scatter {
   Eigen::VectorXd median, sd;
   Eigen::MatrixXd covariance;

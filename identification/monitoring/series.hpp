@@ -29,8 +29,9 @@ inline constexpr double kLargestRelativeVariance = 1e8;
 struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms; NaN: missing
-  /// Noise variances of this row divided by the usual ones (p entries); 1 if no sd is stated.
-  /// Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown sd.
+  /// Noise variances of this row divided by the usual noise variances (p entries); 1 if no sd is
+  /// stated. Limited to kLargestRelativeVariance, because a very large sd is a code for an unknown
+  /// sd.
   Eigen::VectorXd relative_variance = {};
   Eigen::VectorXd covariates = {};  ///< values of the c covariates; NaN: missing
 };
@@ -58,8 +59,8 @@ inline constexpr int kFewestLearningRows = 20;
 /// constant covariate as a warning only, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i. The noise variances of the row are divided by the squares of `usual_sds`: medians in the
-/// training period, or empty.
+/// Returns row i, with the noise variances divided by the squares of the medians `usual_sds`. If
+/// `usual_sds` is empty, all relative variances are 1.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
 /// Median time step between consecutive rows.

@@ -1,13 +1,13 @@
 // The likelihood of a shift δ of all features, from the candidate onsets.
 //
-// A candidate holds p(δ | rows) = N(m, C) under the prior N(0, P) of "all features shift". The
-// likelihood of any other hypothesis about δ is
+// A candidate holds the posterior p(δ | rows) = N(m, C) for the hypothesis "all features shift"
+// with the prior N(0, P). The likelihood of any other hypothesis about δ is
 //
 //   L(δ) = p(rows | δ) / p(rows | no change) ∝ Σ_k w_k N(δ; m_k, C_k) / N(δ; 0, P)
 //        = Σ_k exp(log_weight_k - ½ (δ - mean_k)ᵀ precision_k (δ - mean_k)),
-//   precision = C⁻¹ - P⁻¹,   precision · mean = C⁻¹ m,
+//   precision = C⁻¹ - P⁻¹,   precision · mean = C⁻¹ m.
 //
-// where the sums are over onsets, profiles and parameter draws, with posterior weights. The
+// The sums are over onsets, profiles and parameter draws, with posterior weights. The
 // likelihood is exact for Gaussian noise. Components with negligible weights are omitted.
 #pragma once
 

@@ -241,7 +241,7 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
     return places[index(a)].kind == places[index(b)].kind &&
            places[index(a)].stretch == places[index(b)].stretch;
   };
-  // Per place: the connected places of the same member that are confused with it.
+  // Per place: the connected places of the same member that the test cannot distinguish from it.
   std::map<std::pair<int, int>, std::vector<double>> widths;
   std::vector<std::pair<int, int>> own(index(n));
   for (int a = 0; a < n; ++a) {

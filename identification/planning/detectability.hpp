@@ -19,7 +19,7 @@ struct PlaceDetection {
   /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
   /// empty if P(detected) is below 0.9 at the largest severity of the prior.
   std::optional<double> smallest;
-  /// `smallest` computed from the upper and from the lower bounds of the 95 % confidence intervals
+  /// Values of `smallest` for the upper and for the lower bounds of the 95 % confidence intervals
   /// (Wilson) of P(detected).
   std::optional<double> smallest_low, smallest_high;
 };
@@ -39,7 +39,8 @@ struct DetectabilityOptions {
                                                             const PreparedDesign& design,
                                                             const DetectabilityOptions& options);
 
-/// Two regions: a test cannot distinguish a location in one from a location in the other.
+/// Two regions of a structure. The test cannot distinguish a damage in one region from a damage in
+/// the other region.
 struct ConfusedRegions {
   struct Region {
     int kind = 0, stretch = 0;
@@ -47,7 +48,7 @@ struct ConfusedRegions {
     std::string name;               ///< "beam, 0.1 to 0.4 m"
   };
   Region first, second;
-  int pairs = 0;       ///< number of confused pairs of locations
+  int pairs = 0;       ///< number of indistinguishable pairs of locations
   bool exact = false;  ///< true if predictions are equal because of a symmetry
 };
 
@@ -60,31 +61,33 @@ struct PlaceResolution {
 struct Confusion {
   std::vector<ConfusedRegions> regions;
   std::vector<PlaceResolution> resolutions;
-  std::vector<std::pair<int, int>> pairs;  ///< confused pairs of locations in the regions
+  std::vector<std::pair<int, int>> pairs;  ///< indistinguishable pairs of locations in the regions
   std::vector<int> undetectable;           ///< locations with undetectable largest defect
 };
 
-/// Two locations are confused if the largest defect of the prior at one location gives mean data
-/// within `kDistance` standard errors of the data of some defect at the other. With equal priors, a
-/// test then assigns at least Φ(-1) = 16 % of these defects to the other location. Confused
-/// locations give the resolution of a member if they are within `tolerance`, or connected by
-/// confused locations of this member. All other confused locations form regions.
+/// A test cannot distinguish two locations if the largest defect of the prior at one location gives
+/// mean data within `kDistance` standard errors of the mean data of a defect at the other location.
+/// If such locations have equal priors, a test assigns at least Φ(-1) = 16 % of these defects to
+/// the other location. Indistinguishable locations give the resolution of a member if they are
+/// within `tolerance`, or connected by indistinguishable locations of this member. All other
+/// indistinguishable locations form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
 
-/// A change of the design with which a test distinguishes confused locations.
+/// A change of the design that makes indistinguishable locations distinguishable.
 struct Separation {
   std::vector<int> sensors;   ///< additional sensors
   int mass = -1;              ///< index of the added mass; -1: additional sensors
-  int separated = 0, of = 0;  ///< number of distinguished pairs, and of confused pairs
+  int separated = 0, of = 0;  ///< number of pairs that become distinguishable, of examined pairs
 };
 /// The cheapest additional sensors, and the best single added mass. Among the changes that
-/// distinguish the most pairs (within 5 %), the cheapest is chosen, and at equal cost the one with
-/// the largest distances between data. A design with n < 2 sensors, which measure no shape, gets 2
-/// - n additional sensors; other designs get one. `costs`: one per candidate; empty: equal costs. A
-/// result is empty if no change distinguishes a pair. Pairs of additional sensors use at most 32
-/// candidates: those with the lowest costs and, at equal costs, the largest Σ φ² over the modes.
+/// distinguish the most pairs (within 5 %), the cheapest is chosen. At equal cost, the change with
+/// the largest distances between data is chosen. A design with n < 2 sensors, which measure no
+/// shape, gets 2 - n additional sensors; other designs get one. `costs`: one per candidate; empty:
+/// equal costs. `by_sensors` or `by_mass` is empty if no change of this type distinguishes a pair.
+/// Pairs of additional sensors use at most 32 candidates: those with the lowest costs and, at equal
+/// costs, the largest Σ φ² over the modes.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

@@ -24,10 +24,10 @@ struct Rectangle {
 /// Computes q at a point.
 [[nodiscard]] double value_at(const Quadratic& q, const std::array<double, 2>& point);
 
-/// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if the
-/// normal density of one variable is inside the rectangle at all relevant values of the other
-/// variable. In all other cases, the integral along y has a closed form, and 12-node Gauss-Legendre
-/// quadrature along x has a relative error below 1e-4.
+/// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if, at
+/// all relevant values of one variable, practically the whole normal density of the other variable
+/// is inside the rectangle. In all other cases, the integral along y has a closed form, and 12-node
+/// Gauss-Legendre quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
 
@@ -59,23 +59,22 @@ struct PairRow {
   std::size_t size;
 };
 
-/// Interaction, curvature and bounds of a pair are neglected if they change its exponent by less
-/// than this value.
+/// If interaction, curvature and bounds change the exponent of a pair by less than this value, they
+/// are neglected.
 inline constexpr float kSmallChange = 0.3F;
 
 /// Computes the ln of the approximate weight of each pair: `log_weight` plus the exponent at
-/// amplitudes c between 0 and `limit` along both directions. `extra` is an approximate upper bound
-/// of the increase of the exponent by better amplitudes, interaction and curvature:
+/// amplitudes c between 0 and `limit` along both directions. Better amplitudes, the interaction and
+/// the curvature would increase the exponent by at most about `extra`:
 ///
 ///   extra = f + min(r²/2, κ²/2 + 4 κ) + min(u, d √(2 u)).
 ///
-/// If amplitudes had no limits, the exponent would increase by f. The interaction has the
-/// size κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If the
-/// interaction describes the residual, its effect exceeds the second term with probability
-/// 3e-5. If both locations may deviate freely along w_a and w_b, the exponent would
-/// increase by u. The largest possible deviation is d = c_a slope_a + c_b slope_b.
-/// `square` = |y|². Returns the largest weight of the pairs with `extra` below
-/// kSmallChange.
+/// Without limits of the amplitudes, the exponent would increase by f. The interaction has the size
+/// κ = |I| c_a c_b / (|Δ_a| |Δ_b|), and the residual has the norm r. If the residual is the
+/// interaction plus noise, the interaction increases the exponent by more than the second term with
+/// probability 3e-5. With unlimited deviations of both effects along w_a and w_b, the exponent
+/// would increase by u. The largest possible deviation is d = c_a slope_a + c_b slope_b. `square` =
+/// |y|². Returns the largest `weight` among the pairs whose `extra` is below kSmallChange.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
 /// Pairs of locations whose effects lie on curves c v + α c (c - τ) w, 0 <= c <= limit. Arrays of
@@ -105,9 +104,11 @@ struct CurvedPairs {
   std::size_t stride, size;
 };
 
-/// Largest exponent of each pair without interaction, by Gauss-Newton steps from the straight
-/// lines. `extra` approximates an upper bound of the increase of this exponent by the interaction
-/// (as in screen_pairs) and by the deviations d from the curves, min(d r, r²/2). `square` = |y|².
+/// Computes the largest exponent of each pair without interaction. Gauss-Newton steps start from
+/// the result for straight lines (no curvature). `extra` is an approximate upper bound of the
+/// increase of this exponent by two effects. The first effect is the interaction (as in
+/// screen_pairs). The second effect, at most min(d r, r²/2), is a deviation d from the curves; r is
+/// the norm of the residual. `square` = |y|².
 void fit_curved_pairs(const CurvedPairs& pairs, float square, float* exponent, float* extra);
 
 /// Replaces each of `size` values by exp(value - most), with a relative error below 1e-6; values
@@ -120,8 +121,8 @@ void exponentials(float* values, std::size_t size, float most);
 /// Number of vectors in one tile of `products_with_tile`.
 inline constexpr std::size_t kTile = 8;
 /// Scalar products of kTile vectors with `count` columns, both of `rows` entries. `tile` holds
-/// entry 0 of all vectors, then entry 1, and so on. `out` + c · `out_stride` receives the
-/// products with column c, which starts at `columns` + c · `rows`.
+/// entry 0 of all vectors, then entry 1, and so on. Column c starts at
+/// `columns` + c · `rows`. The products with column c are written to `out` + c · `out_stride`.
 void products_with_tile(const double* tile, std::size_t rows, const double* columns,
                         std::size_t count, double* out, std::size_t out_stride);
 

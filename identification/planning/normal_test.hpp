@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// One possible location of a defect, with the change of the whitened data that a defect there
-/// causes.
+/// One possible location of a defect, and the change of the whitened data due to a defect at this
+/// location.
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(location | one defect of the kind)
@@ -19,8 +19,9 @@ struct NormalPlace {
   Eigen::MatrixXd nodes;
 };
 
-/// The interaction of two defects at the typical nodes of their locations: the change of the mean
-/// data due to both defects together, minus the changes due to each defect alone.
+/// The interaction of two defects at the typical nodes of their locations. The interaction is the
+/// change of the mean data due to both defects together, minus the sum of the changes due to each
+/// defect alone.
 struct NormalInteraction {
   int a = 0, b = 0;  ///< locations, a < b
   Eigen::VectorXd data;
@@ -38,21 +39,22 @@ struct NormalModel {
   double prior = 0.0;
 };
 
-/// A test whose data y - y₀ have the mean 0 (intact), Δ_a(s) (one defect) or
+/// A test whose data y - y₀ have unit covariance. Their mean is 0 (intact), Δ_a(s) (one defect) or
 ///
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
-/// (two defects at locations a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along
-/// the typical node of location a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1)
-/// is the prior cumulative probability of severity s; Δ_a is linear between nodes. Then
+/// (two defects at locations a ≠ b). u_a(s) is the component of Δ_a(s) along the typical node of
+/// location a, scaled to 1 at this node; I_ab is the interaction. p ~ U(0, 1) is the prior
+/// cumulative probability of severity s; Δ_a is linear between nodes. Then
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// where each integrand is normal in p, so that the integral has a closed form (exact for piecewise
-/// linear Δ_a). For two defects, the integral over p and q uses the slopes at the best (p, q), with
-/// quadrature along p and a closed form along q. NormalTest ignores two defects at one location.
-/// The sum over pairs (a, b) uses `pairs` pairs: those with the largest approximate weights, and a
-/// systematic sample of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// Each integrand is normal in p, so the integral has a closed form, which is exact for a piecewise
+/// linear Δ_a. For two defects, the integrand uses the slopes at the best-fitting (p, q). The
+/// integral over p is computed by quadrature, and the integral over q in closed form. NormalTest
+/// ignores two defects at one location. The sum over pairs (a, b) has `pairs` terms: the pairs with
+/// the largest approximate weights, and a systematic sample of the other pairs (Fearnhead &
+/// Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
   /// Throws std::invalid_argument if a model has more than two defects, no model is the
@@ -76,8 +78,8 @@ class NormalTest {
     double log_odds = 0.0;
   };
 
-  /// Data of one test and their scalar products with the nodes, as input of `answer`. Points to
-  /// both arrays.
+  /// Input of `answer`: pointers to the data of one test, and to the scalar products of the data
+  /// with all nodes.
   struct Measured {
     const double* data = nullptr;
     const double* products = nullptr;
@@ -97,10 +99,11 @@ class NormalTest {
   /// Index of the model without defects.
   [[nodiscard]] int intact() const { return intact_; }
 
-  /// The curve through the nodes of a location is about c v + α c (c - τ) w: v is the typical
-  /// direction, c the component along v, and w the unit vector normal to v in which the nodes
+  /// The nodes of a location lie approximately on the curve c v + α c (c - τ) w. v is the typical
+  /// direction, and c the component along v. w is the unit vector normal to v along which the nodes
   /// deviate most. w is a sum of the nodes with weights `of_nodes` (zero for a straight line). A
-  /// node deviates from the straight line by at most c · slope, and from this curve by c · rest.
+  /// node deviates from the straight line by at most c · slope, and from the curve by at most c ·
+  /// rest.
   struct Bend {
     Eigen::VectorXd of_nodes;
     double slope = 0.0, alpha = 0.0, tau = 0.0, rest = 0.0;
@@ -118,7 +121,8 @@ class NormalTest {
   [[nodiscard]] double log_place(const double* products, int a) const;
   [[nodiscard]] double interaction_product(const float* data, Eigen::Index column) const;
   [[nodiscard]] Position position(const double* products, int place, double p) const;
-  /// Quadratic exponent of a pair about its best severities; coordinates are in segments.
+  /// Quadratic approximation of the exponent of a pair about its best severities. The unit of the
+  /// coordinates is a segment.
   struct Fit {
     Quadratic q;
     Rectangle r;

@@ -38,7 +38,7 @@ struct PlanOptions {
   std::function<void(const char* stage, double fraction)> progress = {};
 };
 
-/// A test design with its scores.
+/// A test design with its estimated performance.
 struct ScoredDesign {
   std::string name;  ///< criterion or variation: "effective independence", "9 modes"
   TestDesign design = {};
@@ -51,12 +51,12 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;  ///< sd of shape entries: median over the modes
-  /// The same median for shapes whose largest entry at the sensors of the best design is 1.
+  /// Median sd of shape entries if the largest entry at the sensors of the best design is 1.
   double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< close modes (from 0): only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of at least one defect
   /// Designs that the search found, sorted by P(right count and location), best first. A classical
-  /// layout that is better than all these designs precedes them.
+  /// layout that is better than all designs found by the search is first in the list.
   std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;  ///< designs by other criteria, and the user's layouts
   ScoredDesign frequencies_alone;
@@ -66,14 +66,15 @@ struct PlanFindings {
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
   /// Probabilities of detection at each location, for the best design
   std::vector<PlaceDetection> places;
-  /// Confused locations and their separation: for the best design and, with suffix `alone`, for a
-  /// test that measures frequencies only
+  /// Locations that the test cannot distinguish, and changes of the test that distinguish them. For
+  /// the best design; with suffix `alone`: for a test that measures frequencies only
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
-  /// Root mean square difference per datum, in standard errors, between the mean data for two
-  /// simulated defects and those of NormalTest: median and 90 % quantile.
+  /// Root mean square error per datum, in standard errors, of the mean data that NormalTest assumes
+  /// for two simulated defects: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  /// The same differences for unknown coefficients, whose effect the plan assumes to be linear.
+  /// Root mean square difference per datum, in standard errors, between the effect of the unknown
+  /// coefficients and its linear approximation: median and 90 % quantile.
   double unknown_median = 0.0, unknown_high = 0.0;
   std::vector<TestOption> options;  ///< tests that are compared, if the case has costs
   std::optional<ValueFindings> value;
@@ -109,15 +110,15 @@ class PlanModel {
   ScenarioSource source_;
 };
 
-/// Estimates the processor time of make_plan [s] from measured times of one PlanModel and some
-/// simulated tests. Throws InvalidInput as PlanModel does.
+/// Estimates the processor time of make_plan [s] from the measured times of the construction of one
+/// PlanModel and of some simulated tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] double estimate_seconds(const PlanCase& plan, const PlanOptions& options);
 
 /// Chooses sensors for the case, from fewer locations and severities than PlanModel uses.
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
-/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, or whose
-/// models lack, or contain only, the intact structure.
+/// Makes the plan. Throws InvalidInput for a case with more than two simultaneous defects, and for
+/// models that do not include the intact structure, or include no other model.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

@@ -73,7 +73,7 @@ void check(const DamageCase& damage_case) {
     if (severity == nullptr || severity->lower() < 0.0)
       throw InvalidInput(InvalidInput::Part::severity,
                          severity == nullptr
-                             ? "a plan needs a prior of the severity, from 0 upwards"
+                             ? "a plan needs a prior of the severity (lower limit at least 0)"
                              : "a plan needs severities of at least 0, but the prior begins at " +
                                    base::number(severity->lower()),
                          static_cast<int>(k));

@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification::planning {
 
-/// A mass that is added to the structure for a second state of the test.
+/// A mass that is added to the structure for a second test configuration.
 struct AddedMass {
   std::string name;        ///< "2 kg at B"
   AnyStructure structure;  ///< structure with the mass
@@ -53,9 +53,9 @@ struct PlannedStructureOptions {
 };
 
 /// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
-/// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
-/// MAC + |Δ ln f| / 2). A small change of stiffness mixes closely spaced modes (ModalLikelihood);
-/// only their frequencies are used, in ascending order.
+/// modes of the intact structure by their shapes at the candidate sensors. The assignment minimises
+/// Σ (1 - MAC + |Δ ln f| / 2). For closely spaced modes, only the frequencies are used, in
+/// ascending order, because a small change of stiffness mixes their shapes (ModalLikelihood).
 ///
 /// z are the standard normal coordinates of the priors of unknown coefficients; z = 0 means the
 /// medians. Simulated tests use kDraws structures with z from a Latin hypercube (McKay, Beckman &
@@ -95,7 +95,7 @@ class PlannedStructure {
   static constexpr int kDraws = 32;
   /// Number of unknown coefficients.
   [[nodiscard]] int unknowns() const;
-  /// z of a draw: the standard normal coordinate of each unknown coefficient.
+  /// Returns the standard normal coordinates z of the unknown coefficients in one draw.
   [[nodiscard]] Eigen::VectorXd unknown_draw(int draw) const { return z_.col(draw); }
   /// Modes of the intact structure with one unknown coefficient at z = 1 and at z = -1.
   struct Steps {

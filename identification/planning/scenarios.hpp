@@ -1,4 +1,5 @@
-// Simulated tests: true damage drawn from the prior, its exact modes, and scores of designs.
+// Simulated tests: damage drawn from the prior, exact modes of the damaged structure, and scores of
+// designs.
 #pragma once
 
 #include <cstdint>
@@ -65,7 +66,7 @@ struct ScoringOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-/// Scores all designs with the same scenarios; `first` is the index of the first scenario.
+/// Evaluates all designs with the same scenarios; `first` is the index of the first scenario.
 [[nodiscard]] std::vector<TestScores> score_designs(
     const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
     const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);

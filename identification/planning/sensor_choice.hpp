@@ -1,5 +1,5 @@
-// Choice of sensors by the probability that number and locations of damages are right, and by
-// classical criteria for comparison.
+// Choice of sensors by the probability that the test identifies number and locations of damages
+// correctly, and by classical criteria for comparison.
 #pragma once
 
 #include <functional>
@@ -21,14 +21,15 @@ struct ChoiceOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-/// The score of one simulated test in the choice of sensors. With S = P(true count, and all
-/// locations true within the tolerance | y),
+/// Returns the location score H of one simulated test. The choice of sensors maximises the mean of
+/// H. With S = P(true count, and all locations true within the tolerance | y),
 ///
 ///   H = S² / (S² + (1 - S)²).
 ///
-/// S > 1/2 implies that the most probable count and sites are true, and that the median locations
-/// are within the tolerance. H is a smooth approximation of the indicator of this event. The mean
-/// of H needs fewer simulated tests than the frequency of this event (for equal precision).
+/// If S > 1/2, the most probable count and sites are correct, and the median locations differ from
+/// the true locations by at most the tolerance. H is a smooth approximation of the indicator of
+/// this event. For equal precision, the mean of H requires fewer simulated tests than the frequency
+/// of this event.
 [[nodiscard]] double location_score(const TestOutcome& outcome);
 
 /// A design with its mean location score in tests with at least one defect.
@@ -47,26 +48,26 @@ struct SensorChoice {
 
 /// Maximises the mean location score of damaged structures. All designs receive the same simulated
 /// tests, so differences between designs are estimated with little noise. A comparison begins with
-/// `first_scenarios` scenarios. Designs that are worse than the best design by more than three
-/// standard errors of the difference are removed. For the other designs, the number of scenarios
-/// doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all designs are
-/// compared. Otherwise, a greedy search begins with the best pair of sensors (of all pairs, or of
-/// 120 if there are more) and adds one sensor at a time. Three designs are then improved: the
+/// `first_scenarios` tests (scenarios). Designs that are worse than the best design by more than
+/// three standard errors of the difference are removed. For the remaining designs, the number of
+/// scenarios is doubled, up to `most_scenarios`. If there are at most `exhaustive` designs, all
+/// designs are compared. For more designs, a greedy search begins with the best pair of sensors (of
+/// all pairs, but at most 120) and adds one sensor at a time. Three designs are then improved: the
 /// greedy design, and the layouts by effective independence and by kinetic energy. The search
 /// removes the least useful sensor and adds the best other sensor, until the design no longer
 /// improves. Finally, single sensors of the best of these designs are exchanged, until no exchange
-/// improves it. Throws std::invalid_argument for more sensors than candidates.
+/// improves the design. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);
 
 /// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): the candidate with the
 /// smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ is removed until `count` sensors remain. With fewer
-/// sensors than modes, the pseudo-inverse gives equal entries; then the sensor that contributes
-/// least to the determinant of Φ Φᵀ is removed.
+/// sensors than modes, all diagonal entries from the pseudo-inverse are equal. The sensor that
+/// contributes least to the determinant of Φ Φᵀ is then removed.
 [[nodiscard]] std::vector<int> effective_independence(const Eigen::MatrixXd& shapes, int count);
 
-/// Returns `count` sensors with the largest Σ φ² over the modes; shapes have unit length.
+/// Returns the `count` sensors with the largest Σ φ² over the modes, with shapes of unit length.
 [[nodiscard]] std::vector<int> kinetic_energy(const Eigen::MatrixXd& shapes, int count);
 
 /// Draws random sensor layouts, reproducible by the seed.

@@ -8,8 +8,9 @@
 
 namespace wheeltap::identification::planning {
 
-/// A design: the sensors that measure shapes (with fewer than two, only frequencies are measured),
-/// and the added mass of a second state (-1: none). In this state, only frequencies are measured.
+/// A test design: the sensors that measure shapes (fewer than two: only frequencies are measured),
+/// and the index of the added mass of a second test configuration (-1: no second configuration). In
+/// the second configuration, only frequencies are measured.
 struct TestDesign {
   std::vector<int> sensors = {};
   int mass = -1;
@@ -21,7 +22,7 @@ struct TestDesign {
 /// frequency is either given, or follows from the formula for long records (Au 2017, Operational
 /// Modal Analysis, section 16.1):
 ///
-///   cov(f)² = ζ / (2π f T) + discrepancy²,
+///   cov(f)² = ζ / (2π f T) + discrepancy².
 ///
 /// The sd of shape entries refers to shapes whose largest entry over all candidate sensors is 1.
 /// This sd is given for T = `reference_seconds`, and is proportional to 1/√T.
@@ -56,27 +57,27 @@ struct TestNumbers {
 /// cov. Shapes: κ (û - û₀) with the unit vector û = φ_S / |φ_S| at the sensors S, with the sign of
 /// û₀, and κ = |φ₀| / (sd M), M = max |φ₀| over all candidates. For small angles, |κ (û - û')|² is
 /// the χ² of ShapeDensity. Model errors may rotate a shape towards a close mode, with the sd τ of
-/// the angle. In the direction of this rotation, the data are divided by √(1 + (κ τ |w|)²), with w
-/// the component of the close mode's shape normal to û₀, divided by |φ₀|.
+/// the angle. In the direction of this rotation, the data are divided by √(1 + (κ τ |w|)²). Here, w
+/// is the component of the close mode's shape that is normal to û₀, divided by |φ₀|.
 ///
-/// Unknown coefficients add J z to the data, z ~ N(0, I), with the columns of J from differences
-/// between z = 1 and z = -1. With this prior of z, the data have the covariance I + J Jᵀ. The last
-/// step multiplies the data by (I + J Jᵀ)^(-1/2).
+/// Unknown coefficients add J z to the data, z ~ N(0, I). The columns of J are computed from the
+/// differences between the data for z = 1 and for z = -1. With this prior of z, the data have the
+/// covariance I + J Jᵀ. The last step multiplies the data by (I + J Jᵀ)^(-1/2).
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
 
   [[nodiscard]] Eigen::Index size() const { return size_; }
   [[nodiscard]] const TestDesign& design() const { return design_; }
-  /// Writes the mean data for these modes to `out`.
+  /// Writes the mean of the data of a test with these modes to `out`.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
   /// Change of the expected data caused by the unknown coefficients; linear in their coordinates z.
   [[nodiscard]] Eigen::VectorXd unknown_effect(const Eigen::VectorXd& z) const;
   /// Writes the simulated data of a test with these modes to `out`.
   void measured(const TestModes& modes, const TestNumbers& numbers,
                 Eigen::Ref<Eigen::VectorXd> out) const;
-  /// The measured shape (sensors) of a mode; its largest entry over all candidates is 1 before the
-  /// noise.
+  /// The measured shape (sensors) of a mode; its largest entry over all candidates is 1 before
+  /// noise is added.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
   /// True if the data contain the shape of the mode: the mode is not close to another mode, and its
@@ -110,7 +111,8 @@ class TestData {
   Eigen::Index size_ = 0;
 };
 
-/// Predicted modes for a defect at every location, at the quantiles i/S of the severity's prior.
+/// Predicted modes for a defect at every location, at the quantiles 0, 1/S, …, 1 of the prior of
+/// the severity.
 struct PlacePredictions {
   std::vector<std::vector<TestModes>> modes;    ///< modes for each location and each quantile
   std::vector<std::vector<double>> severities;  ///< severity per location and quantile
@@ -122,8 +124,8 @@ struct PlacePredictions {
   std::vector<Pair> pairs = {};
 };
 
-/// Predicts the modes in parallel. `segments` is S, for unknown severities. If a structure is
-/// impossible, the prediction at the next lower quantile is used.
+/// Predicts the modes in parallel. `segments` is S, for unknown severities. If the structure is
+/// impossible at a quantile of the severity, the prediction at the next lower quantile is used.
 [[nodiscard]] PlacePredictions predict_places(const PlannedStructure& structure, int segments,
                                               int threads);
 

@@ -34,17 +34,17 @@ struct TestOutcome {
   /// ln q(count, location | y) / p(count, location) for the true defects, with q = (1 - ε) p(… | y)
   /// + ε p(…) and ε = kFloor. For any q, the mean of this score is a lower bound of the expected
   /// information (Barber & Agakov 2003, NIPS 16). With exact evidences, this bound is too low by at
-  /// most -ln(1 - ε). The floor ε limits the effect of tests with wrong approximate evidences.
+  /// most -ln(1 - ε). The floor ε limits the effect of tests with inaccurate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable count and all locations are right
   /// P(true number of defects, and every location true within the tolerance | y).
   double located = 0.0;
 };
 
-/// Scores the results of a NormalTest. The count is right if the most probable model is the true
-/// model. The locations are right if the most probable sites of the defects are the true sites,
-/// and, given these sites, the posterior median of each location is within `tolerance` [m] of the
-/// true location.
+/// Compares the results of a NormalTest with the true defects. The count is right if the most
+/// probable model is the true model. The locations are right if the most probable sites of the
+/// defects are the true sites, and, given these sites, the posterior median of each location is
+/// within `tolerance` [m] of the true location.
 class TestScorer {
  public:
   TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
@@ -99,8 +99,8 @@ struct TestScores {
 
 /// Computes the scores of a design from tests that were simulated for each model with a positive
 /// prior. A test detects damage if its log odds exceed the (1 - `false_alarm`) quantile of the log
-/// odds of intact tests. The standard errors include the error of the threshold. With P = R(α), the
-/// detection probability as a function of the false-alarm probability,
+/// odds of intact tests. The standard errors include the error of the threshold. Let P = R(α) be
+/// the detection probability at the false-alarm probability α. Then
 ///
 ///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.
 ///

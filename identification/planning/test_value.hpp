@@ -13,13 +13,13 @@ struct TestCosts {
   double sensor = 0.0;                  ///< cost per sensor used
   std::vector<double> of_sensors = {};  ///< cost of a sensor at each candidate; replaces `sensor`
   double hour = 0.0;                    ///< cost per hour of record
-  double added_mass = 0.0;              ///< cost of a second state with an added mass
+  double added_mass = 0.0;              ///< cost of a second configuration with an added mass
   double inspection = 0.0;              ///< cost of an inspection, which finds any damage
   double missed = 0.0;                  ///< cost of damage that is not found
   double false_alarm = 0.0;             ///< cost of a false alarm, not including the inspection
 };
 
-/// A possible test, with its scores.
+/// A possible test, with its estimated performance.
 struct TestOption {
   std::string name;  ///< "4 sensors, 600 s"
   std::vector<int> sensors;
@@ -28,16 +28,18 @@ struct TestOption {
   TestScores scores = {};
 };
 
-/// The decision rule after a test: inspect if the test raises an alarm. With π = P(at least one
-/// damage) and P(α) = P(alarm | damage) at the false-alarm probability α, the expected cost is
+/// The decision rule after a test: inspect if the test raises an alarm. Let π = P(at least one
+/// damage), and P(α) = P(alarm | damage) at the false-alarm probability α. The expected cost is
 ///
 ///   C = c_test + min over α of π (P(α) c_inspection + (1 - P(α)) c_missed)
-///                           + (1 - π) α (c_inspection + c_false alarm),
+///                           + (1 - π) α (c_inspection + c_false alarm).
 ///
-/// and without a test C₀ = min(π c_missed, c_inspection + (1 - π) c_false alarm). The saving C₀ - C
-/// is the value of the information minus the cost of the test (Straub 2014, Struct. Saf. 49:75).
-/// Each half of the simulated tests determines α, and the other half estimates C; the saving is the
-/// mean of both. If the same tests determined α, the estimate would be too large.
+/// The expected cost without a test is C₀ = min(π c_missed, c_inspection + (1 - π) c_false alarm).
+/// The saving C₀ - C is the value of the information minus the cost of the test (Straub 2014,
+/// Struct. Saf. 49:75).
+/// One half of the simulated tests determines α, and the other half gives an estimate of C. The
+/// saving is the mean of this estimate and the estimate with the halves exchanged. If the same
+/// tests determined both α and C, the estimated saving would be too large.
 struct TestValue {
   double saving = 0.0, mcse = 0.0;
   double test_cost = 0.0;

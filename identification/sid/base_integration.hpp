@@ -15,11 +15,12 @@ namespace wheeltap::identification {
 ///
 ///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t².
 ///
-/// The coefficients are averages over the responses. For each response, a least-squares fit over
-/// the window removes this trend from the response relative to the base. Without a displacement
-/// response, p₁ and p₂ follow from velocities and p₀ has no effect. The fit also removes slow drift
-/// of the structure. SidCase::beyond is cleared, because the polynomial is not valid after the
-/// window. Throws InvalidInput (channel) if a scale or offset of a used channel is a parameter.
+/// The coefficients are averages over the responses. For each response, the fitted polynomial
+/// removes a quadratic trend, over the window, from the response relative to the base. Without a
+/// displacement response, p₁ and p₂ follow from velocities and p₀ has no effect. The fit also
+/// removes slow drift of the structure. SidCase::beyond is cleared, because the polynomial is not
+/// valid after the window. Throws InvalidInput (channel) if a scale or offset of a used channel is
+/// a parameter.
 void integrate_base(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

@@ -32,13 +32,13 @@ struct SidChannel {
   /// Raw samples, from the start of the lead-in before the window. Excitations are upsampled by the
   /// factor SidCase::stride.
   dynamics::Signal signal = {};
-  /// Raw samples after the window, which are not scored. SidCase::beyond gives the number of these
-  /// samples. Excitations are upsampled as in the window.
+  /// Raw samples after the window, which do not enter the likelihood. SidCase::beyond gives the
+  /// number of these samples. Excitations are upsampled as in the window.
   std::vector<double> beyond = {};
   std::string unit = {};     ///< unit from the case, otherwise from the header of the file
   bool unit_given = false;   ///< true if the case gives the unit
   bool scale_given = false;  ///< true if the case gives `signal.scale`, for any unit
-  /// Comparison of the spectra of window and record, if the window is not the whole record.
+  /// Comparison of the spectra of the window and of the record; empty if the window is the record.
   std::optional<signals::SpectrumComparison> window = {};
 
   [[nodiscard]] bool is_excitation() const {
@@ -53,7 +53,7 @@ struct SidChannel {
   /// The unit of samples that are not converted to SI units, because the unit is unknown or has
   /// another dimension. The result is empty if the samples are in SI units.
   [[nodiscard]] std::string foreign_unit() const;
-  /// Unit of the scaled values: "m", or a foreign unit.
+  /// Unit of the scaled values: "m", or a unit that is not converted to SI units.
   [[nodiscard]] std::string used_unit() const;
   /// Unit of the raw samples, and its conversion to SI units. The conversion factor is 1 if the
   /// scale is a parameter.
@@ -184,17 +184,18 @@ struct SidCase {
   double sample_rate_hz = 0.0;
   signals::Sampling sampling = {};             ///< sampling rate and its source
   std::optional<io::FoundLayout> layout = {};  ///< layout of a record in delimited text
-  /// Indices in the record: first scored sample, and one past the last scored sample
+  /// Indices in the record: first sample of the window, and one past its last sample. Only samples
+  /// of the window enter the likelihood.
   int begin = 0, end = 0;
-  /// Number of samples before `begin` that are integrated but not scored
+  /// Number of samples before the window over which the motion is integrated
   int lead_in = 0;
   int stride = 1;  ///< number of excitation samples per response sample
-  /// Number of samples after the window that are predicted but not scored
+  /// Number of samples after the window that are predicted
   int beyond = 0;
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
   /// Response at the start of the window, divided by its RMS (moves_at_start). Set only if the
-  /// initial state is inferred because of this motion, and not by request of the case.
+  /// initial state is inferred because of motion at the start, and not by request of the case.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;
@@ -202,8 +203,8 @@ struct SidCase {
   double band = 0.97;
   bool balance = false;  ///< true: sample all models about equally often, reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the time steps. If the steps are too long, the run reports the error
-  /// and is not repeated.
+  /// True if the case fixes the time steps. If the steps are too long, the run reports the
+  /// integration error, but is not repeated with shorter steps.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;
@@ -218,7 +219,7 @@ struct SidCase {
   /// model's list the parameters that it uses in any record. Call this function after all
   /// coefficients are defined.
   void unite();
-  /// This record and the further records.
+  /// Returns all records: the record of this object and those in `further`.
   [[nodiscard]] std::vector<const SidCase*> records() const;
   /// Returns the parameter with this name; adds it with this prior if it does not exist.
   dynamics::Coefficient parameter(const std::string& name, inference::Prior prior);

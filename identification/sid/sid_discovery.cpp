@@ -127,7 +127,7 @@ class Motions {
     }
     if (!most_.known()) {
       throw InvalidInput(InvalidInput::Part::models,
-                         "the responses are constant: the terms' priors have no scale");
+                         "the responses are constant, so the priors of the terms have no scale");
     }
   }
 

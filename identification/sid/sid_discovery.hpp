@@ -25,12 +25,12 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_name(const dynamics::Law& law, const dynamics::Link& link,
                                     bool several);
 /// Name of the parameter of a coefficient. If the force law has one coefficient, the parameter has
-/// the name of the term. If the law has several, the name also contains the name of the
-/// coefficient: "contact gap", "contact gap closing", "contact gap 0-1".
+/// the name of the term. If the force law has several coefficients, the name also contains the name
+/// of the coefficient: "contact gap", "contact gap closing", "contact gap 0-1".
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
-/// Replaces the single model of the case by one model per subset of the terms; this single model
+/// Replaces the single model of the case by one model per subset of the terms. The original model
 /// becomes the model of the empty subset. Subsets with fewer terms come first. Names list the base
 /// and the terms: "linear + cubic + coulomb". Throws InvalidInput (models) unless there is one
 /// model and at most kMostTerms terms.
@@ -38,12 +38,12 @@ void add_subsets(SidCase& sid_case);
 
 /// Estimates the motion of the base model's links from the record. The spectra of the responses
 /// give displacement, velocity and acceleration in the band with 99 % of the displacement's power.
-/// A mass without a sensor is assigned the largest response of the measured masses. The tension of
-/// a link balances, in this band, the inertia forces and external forces of the masses that the
-/// link connects to the ground. The squares of the RMS values of these forces are added. For a link
-/// in a loop, the larger of the values at its two ends is used. The largest extension of a link is
-/// the measured one or, without measured displacements, three times the RMS extension. Throws
-/// InvalidInput (models) if the responses are constant.
+/// A mass without a sensor is assigned the largest response of the measured masses. In this band,
+/// the tension of a link balances the inertia forces and external forces of the masses that the
+/// link connects to the ground. The squares of the RMS values of these forces are added. If the
+/// link is in a loop, its tension is the larger of the RMS forces on the masses at its two ends.
+/// The largest extension of a link is the measured extension or, without measured displacements,
+/// three times the RMS extension. Throws InvalidInput (models) if the responses are constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 
 /// The default prior of a coefficient. Let e, ė and T be the RMS extension, rate and tension of the

@@ -14,8 +14,8 @@
 
 namespace wheeltap::identification {
 
-/// Ljung & Box's test of whiteness of a response's residuals or, if its residual model is not
-/// white, of their innovations.
+/// Ljung & Box's test of whiteness of the residuals of a response or, if the residual model is not
+/// white, of the innovations.
 struct ResidualWhiteness {
   bool of_innovations = false;
   int lags = 0;
@@ -37,8 +37,8 @@ struct ChannelFit {
   double r2 = 0.0;               ///< coefficient of determination 1 - nrmse²; NaN if nrmse is NaN
   double noise_sd = 0.0;         ///< standard deviation of the noise, as in the model
   std::optional<ResidualWhiteness> whiteness;  ///< test of whiteness; empty for too few samples
-  /// The same test of the residuals instead of the innovations; equals `whiteness` if the residual
-  /// model is white.
+  /// The same test, applied to the residuals instead of the innovations; equals `whiteness` if the
+  /// residual model is white.
   std::optional<ResidualWhiteness> plain_whiteness;
 };
 
@@ -47,8 +47,9 @@ struct ChannelFit {
 [[nodiscard]] std::vector<ChannelFit> forward_run(const SidProblem& problem, int model,
                                                   std::span<const double> theta);
 
-/// Returns a problem that integrates through the window without scoring it, and scores the samples
-/// after the window (SidCase::beyond). Returns null if the record has no samples after the window.
+/// Returns a problem whose likelihood contains only the samples after the window (SidCase::beyond).
+/// The motion is integrated through the window. Returns null if the record has no samples after the
+/// window.
 [[nodiscard]] std::unique_ptr<const SidProblem> continuation(const SidProblem& problem);
 
 /// Returns the mean of a model's draws. The next function returns the draw with the highest
@@ -62,15 +63,13 @@ struct ChannelFit {
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// Effect of the integration time step on the response at the best draw of a model, relative to the
-/// noise sd σ,
+/// Returns the effect of the integration time step on the response at the best draw of a model,
+/// relative to the noise sd σ: ‖(r - r') / σ‖ over all samples and channels. The residual r
+/// belongs to the time step of the run, r' to a quarter of this time step.
 ///
-///   ‖(r - r') / σ‖, r': residuals with a quarter of the time step,
-///
-/// over all samples and channels, where r - r' is whitened by the residual model. To first order,
-/// the error of each parameter is at most this step error times the posterior sd of the
-/// parameter. The result is empty if the solution is exact, or if shorter steps would exceed the
-/// limit.
+/// The residual model whitens r - r'. To first order, the error of each parameter due to the time
+/// step is at most this norm times the posterior sd of the parameter. The result is empty if the
+/// solution is exact, or if shorter steps would exceed the maximum number of steps.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
 /// Step errors above this value are reported.

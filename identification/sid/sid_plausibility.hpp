@@ -8,10 +8,10 @@
 
 namespace wheeltap::identification {
 
-/// Reports three faults. First: the RMS of a response is above 30 times, or below a 30th of, the
-/// RMS of every prior draw in every model. Second: the stated noise exceeds the RMS of its
-/// response. Third: the prior of a parameter excludes the true value of a simulated record. The
-/// function uses at most the first 2000 scored samples of a record.
+/// Reports three faults. First check: the RMS of a response differs by a factor of more than 30
+/// from its RMS in every prior draw of every model. Second check: the stated noise exceeds the RMS
+/// of its response. Third check: the prior of a parameter excludes the true value of a simulated
+/// record. Only the first 2000 samples in the likelihood of a record are used.
 [[nodiscard]] std::vector<Remark> implausible(const SidProblem& problem);
 
 }  // namespace wheeltap::identification

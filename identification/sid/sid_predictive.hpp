@@ -26,8 +26,8 @@ struct SidPredictive {
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 
-/// The scored samples of a response channel, converted to SI units with the scale and offset at
-/// these parameters of the case.
+/// Returns the scored samples of a response channel in SI units. The conversion uses the scale and
+/// offset that belong to the parameters `theta` of the case.
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
@@ -36,17 +36,17 @@ struct SidPredictive {
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };
-/// Computes these quantiles for each response; empty without draws.
+/// Computes the quantiles in NoiseFree for each response. The result is empty without draws.
 [[nodiscard]] std::vector<NoiseFree> noise_free(const SidProblem& problem,
                                                 const inference::Posterior& posterior,
                                                 const SidPredictive& predictive);
 
-/// Fraction of each response's samples within the central interval of probability `SidCase::band`
-/// of the predictive mixture
+/// Fraction of the samples of each response inside the central interval of the predictive mixture
 ///
-///   1/D Σ_d N(prediction_d, σ_d²),
+///   1/D Σ_d N(prediction_d, σ_d²).
 ///
-/// computed by the probability integral transform.
+/// The probability of the central interval is `SidCase::band`. The fraction is computed by the
+/// probability integral transform.
 [[nodiscard]] std::vector<double> coverage(const SidProblem& problem,
                                            const SidPredictive& predictive);
 

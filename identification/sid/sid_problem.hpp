@@ -30,9 +30,9 @@ struct SidProblem {
 ///
 ///   Σ over channels c of  ln p(r_c | σ_c, c_c) + N ln |scale_c|,
 ///
-/// where r_c are the N scored residuals of the channel in SI units, and p is the density of its
-/// residual model with parameters c_c (residuals/residual_model.hpp). The last term converts p to
-/// the density of the raw samples; it is present only if the scale is a parameter. For several
+/// where r_c are the residuals, in SI units, of the N scored samples of channel c. p is the density
+/// of its residual model with parameters c_c (residuals/residual_model.hpp). The last term converts
+/// p to the density of the raw samples; it is present only if the scale is a parameter. For several
 /// records, the log likelihood is the sum over the records, each with a separate initial state.
 /// `misfits` are the misfits of the first record. Throws InvalidInput (models, model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);

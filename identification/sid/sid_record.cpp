@@ -98,7 +98,8 @@ class RecordTaker {
     if (use_.samples) {
       std::tie(out_.begin, out_.end) = *use_.samples;
       if (out_.begin >= out_.end) {
-        throw InvalidInput(Part::samples, "must be [first, one past the last]");
+        throw InvalidInput(Part::samples,
+                           "must be [first, one past the last], at least one sample");
       }
       if (out_.end > record_.samples()) {
         throw InvalidInput(Part::samples, "reaches beyond the record; " + there);

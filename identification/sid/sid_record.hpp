@@ -37,17 +37,18 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
 /// The response at the start of the window divided by its RMS: the largest ratio of all responses.
-/// Empty if the responses start at rest, or if the record is inconclusive. The ratio of a
-/// displacement or velocity is used if it exceeds a tenth and the value at the start exceeds three
+/// Empty if the responses start at rest, or if the record is inconclusive. Only ratios above a
+/// tenth are used. For a displacement or velocity, the value at the start must also exceed three
 /// standard errors. For an acceleration, the ratio is the RMS of the first quarter of a period
-/// divided by the total RMS, used only if the window starts later than the record, without lead-in.
+/// divided by the total RMS. The ratio of an acceleration is used only if the window starts after
+/// the start of the record and has no lead-in.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the initial state of the model unknown, with normal priors about 0. The scale of the prior
-/// of a mass is the standard deviation of its displacement. If only velocity or acceleration is
-/// measured, the scale is the sd of the velocity over ω, or the sd of the acceleration over ω²,
-/// where ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of
-/// the other masses. Throws InvalidInput (initial) if the responses are constant.
+/// Makes the initial state of the model unknown, with normal priors about 0. For each mass, the
+/// scale of the prior is the sd of its measured displacement. If only the velocity is measured, the
+/// scale is its sd divided by ω; if only the acceleration is measured, the scale is its sd divided
+/// by ω². Here, ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest
+/// scale of the other masses. Throws InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

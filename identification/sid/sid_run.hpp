@@ -31,7 +31,7 @@ struct SidRunOptions {
   std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Callback before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
-  /// Integration settings, for a resumed run that was stopped during a repetition.
+  /// Integration settings for resuming a run that was stopped during a repetition.
   std::optional<StepsRefined> refined = {};
 };
 
@@ -55,22 +55,22 @@ struct SidRun {
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
 /// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
-/// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
-/// is expensive; it is never repeated. Throws InvalidInput, and the exceptions of `sample`.
+/// fixes the time steps. A quick run is never repeated; it uses only the first samples if the
+/// likelihood of all samples is expensive. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
 /// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
 /// the chain allow this. For all other force laws, the steps are shorter, because the error is
-/// proportional to the fourth power of the step. The function tests the settings on the best draws
-/// and refines them again if the error is still too large, for example for chaotic motion.
+/// proportional to the fourth power of the step. The function tests the settings on the best draws.
+/// If the error is still too large, for example for chaotic motion, the settings are refined again.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
 /// Returns the sampler's options for a given run time per likelihood evaluation. If a run with the
 /// defaults takes less than about a minute on two cores, the function returns the defaults. For
-/// longer runs, it sets the number of draws to what two cores compute in one minute. The actual
-/// number of cores has no effect, because results must not depend on it.
+/// longer runs, the function sets the number of draws to the number that two cores compute in one
+/// minute. The actual number of cores has no effect, because results must not depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

@@ -10,7 +10,8 @@
 
 namespace wheeltap::identification {
 
-/// Modes of one state, or of several states together with their concatenation; empty by default.
+/// Measured modes of one state or of several states. For several states, the object also contains
+/// the concatenation of their modes. Empty by default.
 class MeasuredModes {
  public:
   MeasuredModes() = default;

@@ -43,15 +43,15 @@ struct ModalData {
   /// Modes × sensors, at arbitrary scale and sign. NaN: not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
   /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
-  /// `shape_sd` is unknown, the covariance is that for `shape_sd` = 1.
+  /// `shape_sd` is unknown, the matrices are the covariances for `shape_sd` = 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
   /// Model errors in addition to the noise: the relative sd of each frequency (errors of different
   /// modes are independent), and the sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// Factor κ of the mixing of mode shapes by the model error, which also changes frequencies by
-  /// `discrepancy`; see mixing_sd.
+  /// Factor κ of the mixing of mode shapes; see mixing_sd. The model error causes this mixing and
+  /// also changes the frequencies by `discrepancy`.
   Scatter mixing = {};
   /// Relative standard deviation of the stiffness error of each part of the structure; see
   /// StiffnessErrors.
@@ -77,13 +77,14 @@ struct ModalData {
     return std::isnan(frequencies_hz[static_cast<std::size_t>(mode)]) &&
            !(mode < shapes.rows() && (shapes.row(mode).array() == shapes.row(mode).array()).any());
   }
-  /// Number of rows that are not gaps.
+  /// Number of modes with a measured frequency or a measured shape.
   [[nodiscard]] int measured_modes() const {
     int count = 0;
     for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
     return count;
   }
-  /// Number of modes that the structure must have. Gaps count as modes if no shapes were measured.
+  /// Number of modes that the structure must have. Unmeasured modes (is_gap) count only if no
+  /// shapes were measured.
   [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 

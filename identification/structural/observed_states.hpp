@@ -20,7 +20,7 @@ struct ObservedState {
   bool damaged = false;   ///< true if the state contains the damages of the case
   std::vector<fem::StructureChange::Mass> masses = {};  ///< known added masses
   double temperature = 0.0;                             ///< temperature above the reference [K]
-  /// Specified coefficients, in the order of `ObservedStates::known`.
+  /// Values of the specified coefficients, in the order of `ObservedStates::known`.
   std::vector<double> known = {};
 };
 

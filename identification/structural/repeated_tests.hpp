@@ -33,8 +33,9 @@ struct RepeatedTestsOptions {
 
 /// Smallest number of tests in which a mode must be identified.
 inline constexpr int kLeastTests = 4;
-/// A mode must be identified in at least this fraction of the tests. Below this fraction, the draws
-/// of missing frequencies are so strongly correlated that the sampler does not converge.
+/// A mode must be identified in at least this fraction of the tests. If the mode is
+/// identified in fewer tests, the draws of its missing frequencies are so strongly correlated that
+/// the sampler does not converge.
 inline constexpr double kLeastShare = 0.05;
 /// A test whose posterior mean weight is below this limit is a probable outlier.
 inline constexpr double kOutlierWeight = 0.25;
@@ -51,9 +52,10 @@ struct RepeatedTests {
   /// √(inflation_i · inflation_j).
   Eigen::MatrixXd covariance_hz2 = {};
 
-  /// Relative scatter of a single test: half the width of the central 68.3 % interval of ln f_j,
-  /// i.e. √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it
-  /// equals the standard deviation. The lists hold the posterior mean and sd of this scatter.
+  /// Relative scatter of a single test: half the width of the central 68.3 % interval of ln f_j.
+  /// This half width is √Σ_jj times the 84.1 % quantile of Student's t distribution with ν degrees
+  /// of freedom. For ν = ∞, this scatter equals the standard deviation. The lists hold the
+  /// posterior mean and sd of this scatter.
   std::vector<double> scatter = {}, scatter_sd = {};
   Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlation matrix of Σ
 
@@ -61,9 +63,10 @@ struct RepeatedTests {
   std::vector<double> weights = {};  ///< posterior mean weight of each test, about 1 for most tests
   std::vector<int> outliers = {};    ///< tests (from 0) with a weight below kOutlierWeight
 
-  /// Correlation r_j of consecutive tests, in the order given, per mode. Significant correlation
-  /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
-  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. If not, inflation_j = 1.
+  /// Correlation r_j of consecutive tests, in the order given, per mode. A significant correlation
+  /// (more than `kSerialLevel` standard errors) reduces the information about the mean. The
+  /// variance of μ_j is then multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Without
+  /// significant correlation, inflation_j = 1.
   std::vector<double> serial_correlation = {}, inflation = {};
 };
 

@@ -25,8 +25,8 @@ struct StructureModel {
   /// Setter i writes parameter i to every coefficient that this parameter defines.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
   /// Setters of coefficients that depend on several parameters, for example the stiffnesses of a
-  /// section with unknown dimensions. These setters are called after `setters` and throw
-  /// std::invalid_argument for an impossible section.
+  /// section with unknown dimensions. They are called after the functions in `setters`, and
+  /// throw std::invalid_argument for an impossible section.
   std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
 
   /// The structure at these parameter values. Throws the exceptions of `dependent`.

@@ -14,7 +14,7 @@ namespace wheeltap::identification {
 
 /// Reports a Young's modulus outside 5e8 to 1.3e12 Pa, a density outside 20 to 25 000 kg/m³ (0 is
 /// massless), or a speed of sound √(E/ρ) above 20 000 m/s, which no material reaches. A massless
-/// material with a modulus above this range counts as a rigid link.
+/// material with a Young's modulus above this range counts as a rigid link.
 [[nodiscard]] std::optional<remark::ImplausibleMaterial> implausible_material(
     const std::string& of, std::optional<double> young, std::optional<double> density);
 

@@ -18,7 +18,7 @@ struct Draw {
   double log_prior = 0.0, log_likelihood = 0.0;
 
   [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
-  /// Number of components of one kind in the draw's model.
+  /// Number of components of this kind in the model of the draw.
   [[nodiscard]] int count(int kind) const {
     return (*space)[model].counts[static_cast<std::size_t>(kind)];
   }
@@ -52,7 +52,7 @@ struct Chain {
             .log_prior = log_prior[i],
             .log_likelihood = log_likelihood[i]};
   }
-  /// Removes all draws; the storage folder stays the same.
+  /// Removes all draws, but keeps the storage folder.
   void clear() { truncate(0); }
   /// Keeps only the first `draws` draws.
   void truncate(std::size_t draws);

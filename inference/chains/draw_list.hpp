@@ -12,7 +12,7 @@
 
 namespace wheeltap::inference {
 
-/// Thrown if the file system cannot write draws that it accepted before.
+/// Thrown if draws for which the file system had reserved space cannot be written to disk.
 class DrawsLost : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -45,7 +45,8 @@ class DrawMemory {
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] bool in_file() const { return file_ >= 0; }
-  /// Sets the folder of the file. The setting takes effect the next time the buffer grows.
+  /// Sets the folder of the file that stores the buffer. The setting takes effect the next time the
+  /// buffer grows.
   void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
   /// Enlarges the buffer to at least `bytes` and keeps the content. Throws std::bad_alloc.
   void grow(std::size_t bytes);

@@ -1,4 +1,4 @@
-// Warm-up: starts from draws of the priors and fits the proposals to samples of the posterior.
+// Warm-up: starts the chains at draws from the priors and fits the proposals to posterior samples.
 #pragma once
 
 #include <functional>
@@ -63,7 +63,7 @@ struct Pilot {
   /// One element per component kind
   std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;
   RandomWalk::Scales scales;
-  /// Efficiency of each kernel (kernel_efficiencies); empty if the efficiencies are not known yet.
+  /// Efficiency of each kernel (kernel_efficiencies); empty before the efficiencies are estimated.
   std::vector<double> efficiencies;
 };
 
@@ -78,7 +78,7 @@ struct PilotOptions {
   Eigen::Index most_samples = 8000;  ///< largest number of samples in the fit of a mixture
   int most_components = 20;          ///< largest number of components of a mixture
   double tolerance = 1e-7;  ///< tolerance of a mixture's last EM fit: mean log density per sample
-  /// Additional samples of each model's posterior, for example from regions that the chains may not
+  /// Additional posterior samples of each model, for example from regions that the chains may not
   /// have visited. The list may be empty.
   std::vector<Eigen::MatrixXd> besides{};
   /// Probability of each model. If the list is empty, the fraction of visits to each model at the
@@ -91,15 +91,16 @@ struct PilotOptions {
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The log weights with which the chains visit all models with a probability of at least `least`
-/// about equally often. Less probable models get the weight of a model with the probability
-/// `least`. Every model then has enough samples to fit its proposal.
+/// Log weights with which the chains visit all models whose probability is at least `least` about
+/// equally often. Less probable models get the weight of a model with the probability `least`.
+/// Every model then has enough samples to fit its proposal.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// Regions to which the MCMC steps lead. With `fitted`: mostly the fitted proposals. With `tuning`:
-/// also regions outside, while proposals are being fitted. With `beyond`: also regions outside that
-/// the fitted proposals do not cover (e.g. heavy tails); slice sampling is then added.
+/// Regions of the posterior for which the MCMC steps are designed. With `fitted`, these are mostly
+/// the regions that the fitted proposals cover. With `tuning`, which applies while proposals are
+/// fitted, they include other regions. With `beyond`, additional slice sampling also reaches
+/// regions that the fitted proposals cannot cover, such as heavy tails.
 enum class Reach { fitted, tuning, beyond };
 
 /// All kernels, including those with pilot proposals.

@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over swaps with acceptance rate α, per pair
   std::vector<long> tried{};        ///< number of attempted swaps of each pair of neighbours
-  /// Per replica: +1 if its last visited end of the ladder is β = 0, -1 if this end is β = 1
+  /// Per replica: +1 if it last visited the end β = 0 of the ladder, -1 if it last visited β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -52,7 +52,8 @@ class TemperedChain {
   /// Creates the kernels of one rung.
   using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
 
-  /// Continues a chain from the state of `ladder`. If the ladder has no states, call start() first.
+  /// Creates a chain that continues from the states of `ladder`. If the ladder has no states, call
+  /// start() before the first iteration.
   TemperedChain(Target& target, Ladder ladder, KernelFactory kernels, std::uint64_t seed,
                 int chain);
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
@@ -68,7 +69,7 @@ class TemperedChain {
 
   /// Enables the adaptation of the weights in all later adaptive scans.
   void balance_models() { ladder_.balancing = true; }
-  /// Log weights w of the models at the coldest rung, β = 1.
+  /// Log weights w of the models at the coldest rung (β = 1).
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
   /// Sets the state of the replica at β = 1.
   void set_cold(const State& state) { ladder_.states.back() = state; }
@@ -79,7 +80,7 @@ class TemperedChain {
   bool scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr,
             const std::function<bool()>& leave = nullptr);
 
-  /// Sets `rungs` inverse temperatures at which all pairs of neighbouring replicas have equal swap
+  /// Sets `rungs` inverse temperatures so that all pairs of neighbouring replicas have equal swap
   /// rejection rates (Syed et al. 2022, algorithm 4). The rates are estimated from the swaps since
   /// the last call. Each replica continues at the nearest rung.
   void adapt_ladder(int rungs);
@@ -88,7 +89,7 @@ class TemperedChain {
   [[nodiscard]] double barrier() const;
 
   [[nodiscard]] const Ladder& ladder() const { return ladder_; }
-  /// Adaptation state of each rung's kernels, to save and restore (KernelMixture).
+  /// Adaptation state of the kernels at each rung, to be saved and restored (KernelMixture).
   [[nodiscard]] std::vector<std::vector<double>> learnt() const;
   void restore(const std::vector<std::vector<double>>& learnt);
   [[nodiscard]] const std::vector<double>& betas() const { return ladder_.betas; }
@@ -117,8 +118,8 @@ class TemperedChain {
 /// draws has a positive likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
-/// Returns the models with a positive prior probability whose likelihood is zero at every draw from
-/// their prior: 100 000 draws, or 5000 if the record can be shortened. After 200 draws, each draw
+/// Returns the models with a positive prior probability whose likelihood is zero at each of 100 000
+/// draws from their prior (5000 draws if the record can be shortened). After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
 /// the first model, if the likelihood of all models is zero at every draw. The optional function
 /// `goes_on` is called before every draw with the completed fraction of the maximum number of

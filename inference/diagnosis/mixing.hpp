@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// An additional quantity whose convergence is judged. This quantity must have the same meaning in
-/// every model. Counts and model indicators are always judged.
+/// An additional quantity whose convergence is assessed. This quantity must have the same meaning
+/// in every model. The convergence of counts and model indicators is always assessed.
 struct Watched {
   std::string name;
   std::function<ChainsOf()> draws;  ///< called to judge the quantity, never concurrently
@@ -31,7 +31,7 @@ struct Mixing {
   /// The smallest effective sample size over counts or indicators. If counts and indicators hardly
   /// change, `ess_model` is the effective sample size of the log posterior.
   double ess_model = 0.0;
-  /// True if `ess_model` belongs to a judged quantity and is at most its limit
+  /// True if the effective sample size of a judged count or indicator does not exceed the limit
   bool too_few = false;
 
   /// Effective draws per chain: the smaller of `ess_model` and `ess_log_posterior`, divided by the
@@ -39,8 +39,8 @@ struct Mixing {
   [[nodiscard]] double effective(std::size_t chains) const;
 };
 
-/// Computes R-hat and the effective sample sizes of a run. A count or an indicator whose
-/// probabilities are known to within 0.001 is not judged, even if its transitions are rare.
+/// Computes R-hat and the effective sample sizes of a run. A count or an indicator is not judged if
+/// its probabilities are known to within 0.001, even if its transitions are rare.
 [[nodiscard]] Mixing mixing(const Posterior& posterior, const ModelShares& shares,
                             const std::vector<Watched>& watched);
 

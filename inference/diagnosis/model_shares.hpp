@@ -3,7 +3,7 @@
 //
 //   P_m ≈ w_m s_m / Σ_k w_k s_k,
 //
-// with s_m the fraction of the draws in model m and w_m the weight of a draw of model m.
+// where s_m is the fraction of the draws in model m, and w_m is the weight of a draw of model m.
 #pragma once
 
 #include <vector>
@@ -21,8 +21,8 @@ struct ModelShares {
   std::vector<double> error;  ///< Monte Carlo standard error of `share`
 };
 
-/// The error of `share` is the standard error of the mean of w (indicator - P) / Σ w s (delta
-/// method).
+/// `error` of model m is the standard error of the mean of w (i_m - P_m) over the draws, with w
+/// scaled to the mean 1 (delta method). i_m is 1 for the draws of model m, otherwise 0.
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 
 /// Collects value(draw) for every draw, one list per chain.

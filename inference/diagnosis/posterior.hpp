@@ -43,23 +43,23 @@ struct FoundMode {
 /// Results for one model in addition to its draws: posterior modes and evidence.
 struct ModelFindings {
   long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
-  /// Mean distance between the points that the optimisations evaluated (ModeSearch::spacing)
+  /// Mean distance between the evaluated points of the optimisations (ModeSearch::spacing)
   double spacing = 0.0;
-  bool glanced = false;  ///< true if, in a long list of models, this model was searched by local
-                         ///< optimisations alone
-  /// True if this model of a long nested list was not evaluated. All evaluated models that differ
-  /// by one step from this model are then outside Occam's window (exploration/occams_window.hpp).
+  bool glanced = false;  ///< true: searched by local optimisations alone (in a long list of models)
+  /// True if this model of a long nested list was not evaluated. All evaluated
+  /// models that differ by one step from this model are then outside Occam's
+  /// window (exploration/occams_window.hpp).
   bool passed_over = false;
   /// True if no draw from the model's prior had a positive likelihood; the model's probability is
   /// then 0.
   bool impossible = false;
-  /// Number of posterior modes that the search did not keep, because it keeps a limited number;
-  /// fraction of the model's probability mass at these modes (Laplace's method).
+  /// Number of posterior modes that the search found but did not keep, because their number is
+  /// limited; and the fraction of the model's probability mass at these modes (Laplace's method).
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
-  /// Separate posterior modes with at least 0.1 % of the model's probability mass, the largest mass
-  /// first.
+  /// Separate posterior modes with at least 0.1 % of the model's probability mass, in order of
+  /// descending mass.
   std::vector<FoundMode> modes;
   Evidence annealed = kNoEvidence;  ///< evidence by SMC or tempering from the prior; NaN if not run
   Evidence sampled = kNoEvidence;   ///< evidence by importance sampling from the final mixture
@@ -67,9 +67,10 @@ struct ModelFindings {
       /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
       /// has too few draws.
       kNoEvidence;
-  /// Fraction of the model's draws at which the mixture has less than a thousandth of the posterior
-  /// density, and the effective sample size of this fraction. Only local moves reach draws outside
-  /// the mixture. Both values are NaN if `bridged` is NaN.
+  /// A draw is outside the mixture if the mixture density is below a thousandth of the posterior
+  /// density there. The two values are the fraction of the model's draws outside the mixture, and
+  /// the effective sample size of this fraction. Only local moves reach the region outside the
+  /// mixture. Both values are NaN if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
   /// Fraction of the SMC draws that lie outside the mixture and from which chains do not return to
@@ -91,14 +92,14 @@ struct Calls {
                       ///< draws
 };
 
-/// Decisions of the engine that no option prescribes.
+/// Decisions that the engine made because no option prescribed them.
 enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,
-  /// The mode search used the first samples of a record, then followed each posterior mode as more
+  /// The mode search used the first samples of a record, then tracked each posterior mode as more
   /// samples were added. The chains started near the resulting posterior modes.
   started_on_first_samples,
-  /// The run was stopped before its first draw; the draws come from the mode searches
+  /// The run was stopped before each chain had 100 draws; the draws come from the mode searches
   drawn_by_searches,
 };
 
@@ -125,7 +126,7 @@ struct RunRecord {
   /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no temperature ladder
   double barrier = 0.0;
   long impossible = 0;  ///< number of likelihood values of NaN or +∞, which count as -∞
-  /// Models with a likelihood of zero at every draw from their prior; their probability is 0.
+  /// Models whose likelihood is zero at every draw from the prior; their probability is 0.
   std::vector<int> impossible_models;
   std::vector<Choice> choices;
 };
@@ -154,13 +155,13 @@ struct Posterior : RunRecord {
   /// likelihood, the first of these draws is returned.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp), which requires
-  // sorting all draws. For repeated queries, call `judge(posterior)` once and use its result. A
-  // model is given by index or name; an unknown index or name throws std::invalid_argument.
+  // Queries. Each of the first four functions diagnoses the whole run (verdict.hpp) and sorts all
+  // draws. For repeated queries, call `judge(posterior)` once and use its result. A model is given
+  // by index or name; an unknown index or name throws std::invalid_argument.
 
   /// P(model | data): the fraction of draws in the model, or the probability implied by its
   /// evidence if the draws are not reliable (ModelStanding). If neither is known, the probability
-  /// is 0 and its error NaN.
+  /// is 0 and the error is NaN.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
   /// ln of the Bayes factor B_ab of models a and b. Value and error are NaN if a or b has neither

@@ -1,5 +1,5 @@
 // Reasons why a run has not converged: one type for each convergence rule (verdict.hpp), with the
-// values and the limit. The caller turns a reason into a message.
+// values and the limit. The caller converts a reason to a message.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct ModelNotEntered {
   long proposed = 0;       ///< proposed jumps into the model after warm-up
   Estimate by_evidence{};  ///< model probability computed from its evidence
 };
-/// A model has many draws in some chains and none in others.
+/// A model has many draws in some chains and no draws in others.
 struct ModelNotInEveryChain {
   int model = 0;
   int visited = 0, chains = 0;
@@ -51,22 +51,24 @@ struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
 };
-/// Many draws of a model lie outside its fitted mixture, but come from few independent visits. Only
-/// local moves reach this region, so the chains may have missed a part of it.
+/// Many draws of a model lie outside its fitted mixture, but the chains made only few independent
+/// visits to this region. Only local moves reach the region outside the mixture, so the chains may
+/// have missed a part of this region.
 struct DrawsBeyondMixture {
   int model = 0;
   double share = 0.0;                ///< fraction of the model's draws outside its mixture
   double visits = 0.0, limit = 0.0;  ///< effective visits outside the mixture; must exceed `limit`
 };
 /// The fraction of SMC draws outside a model's mixture is larger than the fraction of chain draws
-/// outside it. Chains that start at these SMC draws stay outside the mixture.
+/// outside it. Chains that start at these SMC draws do not move into the mixture, so the posterior
+/// has probability mass outside the mixture.
 struct AnnealingDrawsBeyond {
   int model = 0;
   /// Fractions of the SMC draws and of the chain draws that lie outside the mixture.
   double annealed = 0.0, drawn = 0.0;
 };
-/// The importance weights of a model's evidence have a heavy tail: a larger sample may give a far
-/// larger evidence. The model's draws do not confirm the evidence.
+/// The importance weights of a model's evidence have a heavy tail: with more draws, the evidence
+/// may become far larger. The model's draws do not confirm the evidence.
 struct EvidenceUnreliable {
   int model = 0;
   double pareto = 0.0, limit = 0.0;  ///< Pareto shape k̂ of the weights; must not exceed `limit`
@@ -92,8 +94,8 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// Name of the parameter. For components of a kind, the name is "sum of …", because the numbers
-  /// of the components are arbitrary labels.
+  /// Name of the parameter. For components of a kind, the name is "sum of …", because the component
+  /// numbers are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };
@@ -104,7 +106,7 @@ struct ParameterMovesSlowly {
   double ess = 0.0, limit = 0.0;
   bool tail = false;  ///< true: too few effective draws for its 5 % and 95 % quantiles
 };
-/// Too few round trips of replicas on the ladder used for the draws.
+/// Too few round trips of replicas on the temperature ladder with which the draws were made.
 struct TooFewRoundTrips {
   long completed = 0, limit = 0;
 };
@@ -119,7 +121,7 @@ using Reason =
                  TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
                  StoppedEarly, QuickLook>;
 
-/// A sentence with the values that belong to the reason. For ChainsDisagree and
+/// Returns a sentence that states the reason and its values. For ChainsDisagree and
 /// TooFewEffectiveDraws, the result is a clause without a full stop. The caller adds the advice
 /// (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);

@@ -1,7 +1,7 @@
 // Probability of each model, from its draws or its evidence, and evidence of each model.
 //
-//   P_m = (1 - Σ_evidence P_n) s_m / Σ_draws s_k   for a model judged by its draws,
-//   P_m = P(m) Z_m / Σ P(n) Z_n                    for a model judged by its evidence.
+//   P_m = (1 - Σ_evidence P_n) s_m / Σ_draws s_k   if P_m comes from the draws of model m,
+//   P_m = P(m) Z_m / Σ P(n) Z_n                    if P_m comes from the evidence of model m.
 #pragma once
 
 #include <limits>
@@ -14,7 +14,7 @@
 
 namespace wheeltap::inference {
 
-/// Source of a model's probability: the fraction of draws in the model, or its evidence if a chain
+/// Source of a model probability: the fraction of draws in the model, or the evidence if a chain
 /// should have visited the model but did not.
 enum class Basis { draws, evidence };
 
@@ -22,7 +22,7 @@ enum class Basis { draws, evidence };
 struct ModelStanding {
   double probability = 0.0;  ///< model probability; if unknown: 0, and `mcse` is NaN
   /// Monte Carlo standard error of `probability`. For a probability from draws, the error is at
-  /// least 1 / (`ess_model` + 2), the effect of one effective draw more or less; this error
+  /// least 1 / (`ess_model` + 2), the effect of one additional or missing effective draw; the error
   /// includes the excess of SMC draws (annealed_excess). For a probability from evidence, the error
   /// follows from the errors of all evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
@@ -45,7 +45,7 @@ struct Standings {
   std::vector<ModelStanding> models;
   /// Model probabilities from the evidences; from the draws for models without evidence
   ImpliedProbabilities implied;
-  /// Per model: true if some chain should have visited the model but did not
+  /// Per model: true if some chain should have visited the model, but has no draws of it
   std::vector<bool> missed;
   std::vector<Evidence> evidence;
   /// Per model: true if its evidence comes from its posterior draws or from draws of its mixture.
@@ -59,10 +59,10 @@ struct Standings {
 [[nodiscard]] Standings standings(const Posterior& posterior, const ModelShares& shares,
                                   const Mixing& mixing);
 
-/// ln of the Bayes factor B_ab of models a and b. B_ab follows from the evidences if the
-/// probability of a or b comes from its evidence, and from the draws in other cases. For draws, the
-/// error is the standard error of the mean of indicator_a / s_a - indicator_b / s_b (delta method).
-/// The error is at least the effect of one effective draw more or less in the less probable model.
+/// ln of the Bayes factor B_ab of models a and b. If the probability of a or b comes from its
+/// evidence, B_ab follows from the evidences, otherwise from the draws. For draws, the error is the
+/// standard error of the mean of indicator_a / s_a - indicator_b / s_b (delta method). The error is
+/// at least the effect of one additional effective draw of the less probable model.
 [[nodiscard]] Estimate log_bayes_factor(const Posterior& posterior, int a, int b);
 
 }  // namespace wheeltap::inference

@@ -18,24 +18,24 @@ namespace wheeltap::inference {
 /// Convergence diagnosis of a whole run.
 struct Verdict {
   std::vector<ModelStanding> models;    ///< one element per model of the model space
-  bool converged = false;               ///< true exactly if `not_established` is empty
-  std::vector<Reason> not_established;  ///< the most serious reason first; reasons of one kind by
-                                        ///< descending model probability
-  /// Resolution of the mode search: a prior probability. If the basin of attraction of a posterior
-  /// mode has a smaller prior probability, all local optimisations miss the mode with a probability
-  /// above 1 %. For n local optimisations, the resolution is 1 - 0.01^(1/n); `resolution` is the
-  /// largest over the models, 1 without a search. In a long list, models with only local
-  /// optimisations and a probability below kLimits.searched_model are excluded.
+  bool converged = false;               ///< true if and only if `not_established` is empty
+  std::vector<Reason> not_established;  ///< most serious first, then by descending probability
+  /// Resolution of the mode search, as a prior probability. If the basin of attraction of a
+  /// posterior mode has a smaller prior probability, all local optimisations miss the mode with a
+  /// probability above 1 %. For n local optimisations in a model, the resolution is 1 - 0.01^(1/n).
+  /// `resolution` is the largest of these values over the models; without a search, it is 1. In a
+  /// long list, models with only local optimisations and a probability below kLimits.searched_model
+  /// are excluded.
   double resolution = 1.0;
   /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
   /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
-  /// not known. The search may miss a narrower posterior mode even if its basin of steepest ascent
-  /// exceeds `resolution` (resolution_of).
+  /// not known. The search may miss a narrower posterior mode even if the prior probability of its
+  /// basin of steepest ascent exceeds `resolution` (resolution_of).
   double resolved_width = 0.0;
-  /// Number of models searched by local optimisations alone; `resolution` excludes these
+  /// Number of models searched by local optimisations alone; `resolution` excludes these models
   int glanced = 0;
   /// Number of models that were not evaluated (ModelFindings::passed_over). `resolution` does not
-  /// include these models.
+  /// apply to these models.
   int passed_over = 0;
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
   std::string rhat_worst;  ///< the quantity with the largest R-hat
@@ -43,9 +43,9 @@ struct Verdict {
   /// as "model/parameter". `rhat_max` does not include parameters, for which a separate rule
   /// applies.
   std::vector<std::pair<std::string, double>> rhats;
-  /// Smallest effective sample size over the counts of the component kinds, or over the indicators
-  /// of the models with probabilities above 0.1 %. If counts and indicators hardly change,
-  /// `ess_model` is the effective sample size of the log posterior, because a constant has no
+  /// Smallest effective sample size of the component counts, or of the indicators of models
+  /// with probabilities above 0.1 %. If counts and indicators hardly change, `ess_model` is
+  /// the effective sample size of the log posterior, because a constant has no
   /// autocorrelation.
   double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail effective sample size
@@ -57,32 +57,35 @@ struct Verdict {
   }
 };
 
-/// Diagnoses a run from its draws and the findings of the searches (Posterior::found). A run has
-/// converged if it satisfies all of the following rules. convergence.hpp defines the limits. The
-/// numbers in brackets are the probabilities that a converged run violates the rule by chance.
+/// Diagnoses a run from its draws and the posterior modes that the searches found
+/// (Posterior::found). A run has converged if it satisfies all of the following rules.
+/// convergence.hpp defines the limits. The numbers in brackets are the probabilities that a
+/// converged run violates the rule by chance.
 ///
-/// - Every chain visited, at β = 1, every model whose probability by evidence times the effective
-///   draws per chain exceeds 10 (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or evidence,
-///   or a prior weight of 0, or lies outside Occam's window.
+/// - Every chain visited, at β = 1, every model with more than 10 expected effective draws per
+///   chain, computed from its evidence (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or
+///   evidence, or a prior weight of 0, or lies outside Occam's window.
 /// - Model probabilities from visits and from evidence agree within 4.5 combined errors (7e-6) plus
-///   0.005. No ln Z by SMC exceeds ln Z of the draws by more than 4.5 standard errors plus 0.5. The
-///   evidence by SMC may be lower, because SMC may miss a posterior mode that the chains visit.
-/// - Every chain visited each posterior mode that the searches found and that should have more than
-///   10 effective draws per chain (5e-5). R-hat of the posterior mode's indicator is below 1.05, or
+///   0.005. In every model, ln Z by SMC exceeds ln Z of the draws by at most 4.5 standard errors
+///   plus 0.5. The evidence by SMC may be lower, because SMC may miss a posterior mode that the
+///   chains visit.
+/// - Every chain visited each posterior mode found by the searches for which more than 10 effective
+///   draws per chain are expected (5e-5). R-hat of the indicator of this mode is below 1.05, or
 ///   within the variability expected for the number of effective draws (1e-6).
-/// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
-///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
-///   are outside, this fraction must have a relative error of at most 0.1. This error requires 100
-///   effective visits. Only local moves reach draws outside the mixture. In the neck of a funnel,
-///   all chains may agree although they have visited only half of the neck.
-/// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts
-///   (or model indicators) satisfy the same limits, unless their probabilities are known to 0.001.
+/// - A draw is outside the fitted mixture if the mixture density at the draw is less than a
+///   thousandth of the posterior density. For a model with a probability above 1 %: if more than
+///   5 % of its draws are outside, the relative error of this fraction must be at most 0.1, which
+///   requires 100 effective visits. Only local moves reach the region outside the mixture. Without
+///   this rule, all chains may agree although they have visited only half of the neck of a funnel.
+/// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400.
+///   Numbers of components (or model indicators) satisfy the same limits, or the errors of their
+///   probabilities are below 0.001.
 /// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or
 ///   within the variability expected for the number of draws (1e-6). For components of a kind, the
-///   sums of their parameters are judged, because the numbers of the components are arbitrary. The
+///   sums of their parameters are checked, because the component numbers are arbitrary labels. The
 ///   effective sample size of each parameter exceeds 800 P; this limit is at least 20 and at most
-///   400. R-hat is judged only with at least 100 draws per chain. For a model below 5 %, the
-///   effective sample size is judged only with at least 400 draws per chain.
+///   400. R-hat is checked only with at least 100 draws per chain. For a model probability below
+///   5 %, the effective sample size is checked only with at least 400 draws per chain.
 /// - With tempered draws, the replicas completed 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
 ///   applied.

@@ -294,7 +294,7 @@ Chain draws_in(const Checkpoint& part, std::size_t n) {
   if (n == 0 || chain.size() != n || chain.log_prior.size() != n ||
       chain.log_likelihood.size() != n || chain.move.size() != n || chain.accepted.size() != n ||
       chain.theta.size() % n != 0 || chain.prediction.size() % n != 0)
-    throw CheckpointError("a part of its draws does not have " + std::to_string(n) + " draws");
+    throw CheckpointError("a separate part does not have " + std::to_string(n) + " draws");
   return chain;
 }
 

@@ -14,11 +14,11 @@
 
 namespace wheeltap::inference {
 
-/// The columns of a RunState. The column of a struct's member has the name of the member, e.g.
-/// "chains.adaptation.steps", and one number per struct, in order. A list appends its length to the
-/// column "….size" and its entries to the column of its name ("….each" if the entries are lists). A
-/// matrix appends its shape to the columns "….rows" and "….columns". The number of columns
-/// therefore does not depend on the number of chains, models or draws.
+/// The columns of a RunState. Each data member of a struct becomes a column with the name of the
+/// member, e.g. "chains.adaptation.steps", and one number per struct, in order. A list appends its
+/// length to the column "….size" and its entries to the column of its name ("….each" if the entries
+/// are lists). A matrix appends its size to the columns "….rows" and "….columns". The number of
+/// columns therefore does not depend on the number of chains, models or draws.
 struct Checkpoint {
   /// Version number of the format, increased whenever a member of the run state changes.
   static constexpr int kFormat = 8;
@@ -45,7 +45,7 @@ class CheckpointError : public std::runtime_error {
 /// Reads draws from columns. Throws CheckpointError if the number of draws is not `n`.
 [[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
 /// The separately saved parts of the draws that a checkpoint needs: index of the first part, and
-/// count of the parts.
+/// number of parts.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
 /// Restores the run, bit for bit. The columns omit whatever can be recomputed: the model space, the

@@ -78,20 +78,21 @@ class Writer {
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
 
-  /// Writes members; the arguments are names and members, alternately.
+  /// Writes members of a struct. The arguments alternate between names and members.
   template <class T, class... More>
   void operator()(const char* member, const T& value, const More&... more) {
     names_.within(member, [&] { put(value); });
     if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
-  /// Begins the columns of another chain with `draws` draws.
+  /// Starts to write the columns of the next chain, which has `draws` draws.
   void chain(std::size_t draws) {
     const std::size_t c = chains_++;
     draws_ = {.all = draws,
               .first = c < first_.size() ? std::min(first_[c], draws) : 0,
               .last = std::min(last_, draws)};
   }
-  /// Writes a list of the current chain that has the same number of values for each draw.
+  /// Writes `values`, a list of the current chain. The list has the same number of values for each
+  /// draw.
   template <class N>
   void by_draw(const char* member, const DrawList<N>& values) {
     const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;

@@ -375,7 +375,7 @@ void explore_growing(RunContext& run, RunState& state) {
   if (!any && run.monitor.stopped()) return;
   if (!any)
     throw LikelihoodError(
-        "the search on growing records found no mode in any model: check the priors and the noise");
+        "the search on growing records found no posterior mode: check the priors and the noise");
   state.posterior.choices.push_back(Choice::started_on_first_samples);
 }
 

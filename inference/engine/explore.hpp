@@ -10,7 +10,7 @@ namespace wheeltap::inference {
 /// is explored with a growing number of samples (starting_points.hpp). The function stores the
 /// findings, a starting point for every chain, and initial proposals.
 void explore(RunContext& run, RunState& state);
-/// Counts all likelihood evaluations so far as evaluations of the exploration.
+/// Stores the current number of likelihood evaluations as the number that the exploration needed.
 void count_exploring(RunState& state);
 
 }  // namespace wheeltap::inference

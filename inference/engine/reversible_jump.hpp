@@ -11,8 +11,8 @@
 namespace wheeltap::inference {
 
 /// Samples the posterior over (model, parameters) in three stages: explore, tune, sample. Only the
-/// first two stages adapt the kernel; the kernel that produces the draws is fixed. The result does
-/// not refer to `problem`. Throws std::invalid_argument for options out of range, and the
+/// first two stages adapt the kernel; the kernel that produces the draws is fixed. The result holds
+/// no reference to `problem`. Throws std::invalid_argument for options out of range, and the
 /// LikelihoodErrors of Target and check_models.
 [[nodiscard]] Posterior reversible_jump(const Problem& problem, const Options& options);
 

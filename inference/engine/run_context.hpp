@@ -27,9 +27,8 @@ inline constexpr int kDefaultThin = 4;
 inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an evaluation is costly
 /// True if the engine chooses the number of draws and the likelihood is expensive: a long record or
 /// a costly problem. The number of tuning steps and the thinning interval are then halved, because
-/// each MCMC step takes about a hundred times as long as with a likelihood given by a formula. For
-/// a costly problem, the draws are not thinned. The run continues in any case until it has enough
-/// draws.
+/// each MCMC step takes about a hundred times as long as with an analytical likelihood. For a
+/// costly problem, the draws are not thinned. Every run continues until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return (problem.samples > 0 || problem.costly) && options.draws == 0;
 }
@@ -39,7 +38,7 @@ inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an ev
   return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
 /// The number of SMC particles with which each of several models is explored. `brief` is the length
-/// of the run relative to a default run.
+/// of the run divided by that of a default run.
 [[nodiscard]] inline int annealing_particles(const Problem& problem, double brief, double models) {
   constexpr double kAll = 12000.0, kFewest = 400.0, kMost = 1200.0;
   if (problem.costly) return static_cast<int>(kFewest);
@@ -55,8 +54,8 @@ inline constexpr int kCostlyDraws = 2500;  ///< default number of draws if an ev
 inline constexpr int kEvidenceDraws = 4000;  ///< draws per model from its mixture
 inline constexpr int kQuickDraws = 500;      ///< draws per model from its mixture in a quick run
 
-/// `problem` and `options` must outlive the context. The context must be used only with the run
-/// state from begin() or resume().
+/// `problem` and `options` must outlive the context. Use the context only with the run state
+/// from begin() or resume().
 struct RunContext {
   RunContext(const Problem& of, const Options& with)
       : problem(of), options(with), monitor(with, of.space.size()), safe_points(with) {}
@@ -71,9 +70,9 @@ struct RunContext {
   [[nodiscard]] const ModelSpace& space() const { return problem.space; }
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
 
-  /// Runs job(c, chain, target) for every chain on several threads and ranks, then stores the
-  /// target's counters in the state of the chain. A job may change only its chain, its target and
-  /// its draws (RunState::posterior.chains[c]).
+  /// Calls job(c, chain, target) for every chain on several threads and ranks, then stores the
+  /// target's counters in the state of the chain. The job for chain c may change only this chain,
+  /// its target and its draws (RunState::posterior.chains[c]).
   template <typename Job>
   void each_chain(RunState& state, Job&& job) {
     each_chain_until(state, [&](int c, ChainState& chain, Target& target) {
@@ -92,8 +91,8 @@ struct RunContext {
   }
 
   /// Runs a job that can pause between two iterations if leave() returns true. The job returns true
-  /// if it is complete. The job is called again until it is complete for every chain or the run is
-  /// stopped. The run state must contain all progress of the job.
+  /// if it is complete. The job is called repeatedly, until it is complete for every chain or the
+  /// run is stopped. The run state must contain all progress of the job.
   template <typename Job>
   void complete_each_chain(RunState& state, Job&& job) {
     for (bool all = false; !all;) {
@@ -155,7 +154,7 @@ struct RunContext {
 /// at the chains' states differs in any bit, because the data or the processor have changed.
 void resume(RunContext& run, const RunState& state);
 
-/// Number of likelihood evaluations by all chains and by shared work. If the problem has an
+/// Number of likelihood evaluations by all chains and outside the chains. If the problem has an
 /// approximate likelihood, the evaluations of the approximation are counted.
 [[nodiscard]] long likelihood_evaluations(const RunState& state);
 

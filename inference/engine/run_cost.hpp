@@ -1,4 +1,4 @@
-// Memory, disk and run time of the engine, estimated before it runs.
+// Memory, disk space and run time of a run, estimated before it starts.
 #pragma once
 
 #include "inference/model/target.hpp"
@@ -7,12 +7,12 @@
 namespace wheeltap::inference {
 
 /// Estimated cost of a run. If the run time of a likelihood evaluation was measured, the estimate
-/// is correct within a factor of three in nine of ten runs (docs/scale.md); without measurement,
-/// within a factor of ten.
+/// is correct within a factor of three in nine of ten runs (docs/scale.md). Without this
+/// measurement, the estimate is correct within a factor of ten.
 struct RunCost {
   double bytes = 0.0;  ///< peak memory
   double disk = 0.0;   ///< largest size of the results folder [bytes]
-  /// Number of likelihood evaluations, or of FE solutions in a table
+  /// Number of likelihood evaluations; for a table, number of FE solutions
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;

@@ -6,7 +6,7 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood evaluations of each stage, all chains together. A run that has not converged after
+/// Number of likelihood evaluations of all chains in each stage. A run that has not converged after
 /// its planned draws continues and needs more likelihood evaluations.
 struct RunPlan {
   double explore = 0.0;  ///< evaluations by mode search, SMC or tempering, and importance sampling
@@ -14,8 +14,8 @@ struct RunPlan {
   double sample = 0.0;
   double evidence = 0.0;
   /// Likelihood evaluations of the exploration, converted to equivalent evaluations on the whole
-  /// record. For a record, most evaluations of the exploration use only the first samples. For
-  /// other data, this number equals `explore`.
+  /// record. If the data are a record, most evaluations of the exploration use only its first
+  /// samples. Without a record, this number equals `explore`.
   double explore_on_all_data = 0.0;
 
   [[nodiscard]] double calls() const { return explore + tune + sample + evidence; }

@@ -16,7 +16,7 @@
 
 namespace wheeltap::inference {
 
-/// Progress of a chain in a stage whose kernels adapt.
+/// Progress of a chain in a stage with adaptive kernels.
 struct AdaptationState {
   int steps = 0;  ///< completed steps of this tuning round, or scans of a ladder
   // Used by parallel tempering only:
@@ -35,7 +35,7 @@ struct AdaptationState {
 /// round.
 struct ChainState {
   State state;  ///< current state of the chain
-  /// Number of sampling steps so far; key of the next random numbers
+  /// Number of sampling steps so far; the next random numbers depend on this number.
   long iteration = 0;
   Target::Memory target{};              ///< counters of the chain's target
   std::optional<Ladder> ladder{};       ///< ladder of replicas, for a tempered chain
@@ -47,7 +47,7 @@ struct ChainState {
   std::vector<std::vector<long>> at_mode{};  ///< number of draws nearest to each posterior mode of
                                              ///< each model
   std::vector<MoveStatistics> moves{};       ///< statistics of each move after warm-up
-  /// Proposed and accepted jumps between models after warm-up, models × models.
+  /// Numbers of proposed and accepted jumps between models after warm-up, models × models.
   std::vector<std::vector<long>> proposed{}, accepted{};
   AdaptationState adaptation{};
 };
@@ -63,10 +63,11 @@ struct Position {
   bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  /// Models to be searched fully, or by local optimisations alone
+  /// Models that await a full search, or a search by local optimisations alone
   std::vector<int> models{};
   int model = 0;  ///< index of the next model in `models`
-  /// ln (P Z), with prior probability P, of the best model searched so far.
+  /// ln (P Z) of the best model searched so far; P is the prior probability of the model, Z its
+  /// evidence.
   double best = -std::numeric_limits<double>::infinity();
   int look = 0;                  ///< round of local optimisations in many models
   int looks_left = 0;            ///< number of models left in this round
@@ -84,7 +85,7 @@ struct Position {
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// Posterior modes of one model; the draws near each of them are counted.
+/// Posterior modes of one model, for counting the draws near each mode.
 struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;
@@ -92,13 +93,13 @@ struct CountedModes {
 };
 
 /// Complete state of a run. Copies are independent, because shared members (mixtures of Pilot,
-/// model space of Posterior) are constant. A stage produces the same draws, bit for bit, from a
-/// copy with the same problem, options and seed.
+/// model space of Posterior) are constant. A stage that starts from a copy, with the same problem,
+/// options and seed, produces bitwise the same draws.
 struct RunState {
   Position at;
   std::vector<ChainState> chains;
 
-  // Results of exploration, one per model.
+  // Results of the exploration, one per model.
   std::vector<ModelExploration> explorations;
   std::vector<double> log_probability;  ///< log model probabilities up to a constant, if known
   std::vector<double> probability;      ///< normalised model probabilities
@@ -107,8 +108,8 @@ struct RunState {
   // Results of tuning.
   Pilot pilot;
   std::vector<double> tuning_bias;  ///< ln weight of each model in the last tuning round
-  /// ln weight of each model for the draws: zero, or the weights with which all models are visited
-  /// about equally often.
+  /// ln weight of each model for the draws: zero, or values that make the visits to all models
+  /// about equally frequent.
   std::vector<double> sampling_bias;
 
   // Results of sampling.

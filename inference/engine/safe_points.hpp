@@ -13,8 +13,8 @@
 namespace wheeltap::inference {
 
 /// Safe points lie between two iterations of all chains and between two explored models. At a safe
-/// point, RunState is complete. The time between two saves is so long that saving takes at most the
-/// fraction kShare of the run time.
+/// point, RunState is complete. The time between two saves is long enough that saving takes at most
+/// the fraction kShare of the run time.
 class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}

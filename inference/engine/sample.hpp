@@ -14,7 +14,7 @@ void sample(RunContext& run, RunState& state);
 
 /// Initialises the draws; called once after tuning.
 void prepare_draws(RunContext& run, RunState& state);
-/// Burn-in with the model weights that the draws use. Tuning used other model weights, so the
+/// Runs a burn-in with the model weights of the draws. Tuning used other model weights, so the
 /// chains must first converge to the new stationary distribution.
 void settle(RunContext& run, RunState& state);
 /// Adds the current state of a chain to the chain's draws, stored states and counters.

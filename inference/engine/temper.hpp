@@ -16,8 +16,9 @@ struct TemperOptions {
   bool fitted = false;    ///< true: use the fitted proposals, and start from the chains' states
 };
 
-/// Runs parallel tempering from the prior or, with fitted proposals, prepares a ladder for the
-/// draws. Stores each chain's ladder, its samples and its state at β = 1.
+/// Runs parallel tempering from the prior. With fitted proposals, prepares the temperature ladder
+/// of the sampling stage. For each chain, stores the ladder, the samples of the ladder and the
+/// state at β = 1.
 void temper(RunContext& run, RunState& state, const TemperOptions& how);
 
 /// Pools the samples of all chains. If the ladders of the chains differ, their rungs are matched

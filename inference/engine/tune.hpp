@@ -9,7 +9,7 @@ namespace wheeltap::inference {
 /// Runs three rounds of tuning, and a longer fourth round if the model indicator has few effective
 /// draws. Model weights make the visits to all models about equally frequent, so that each model
 /// gets enough samples. The function stores the last fitted proposal distributions (Pilot), and the
-/// model weights that the chains use while drawing (RunState::sampling_bias).
+/// model weights for the sampling stage (RunState::sampling_bias).
 void tune(RunContext& run, RunState& state);
 
 /// Pools the samples of the chains and fits the proposals (RunState::pilot) to the pooled samples.

@@ -17,14 +17,14 @@ using LogApproximation = std::function<double(std::span<const double> z)>;
 ///
 /// - A renewal draws from the mixture q.
 /// - A walk adds a step with the covariance of a randomly selected component times s². Half of the
-///   walks move all coordinates. The others move a random subset of the coordinates by longer
-///   steps: in a density with heavy tails, only a few coordinates lie far in the tails.
+///   walks move all coordinates. The other half moves a random subset of the coordinates by longer
+///   steps, because in a density with heavy tails, only a few coordinates lie far in the tails.
 /// - A contraction selects a component N(μ, L Lᵀ) with the probability that this component
-///   generated z = μ + L u,
-///   and proposes μ + L (√(1 - s²) u + s ξ) with ξ ~ N(0, I). This leaves q invariant, so the
-///   acceptance depends only on the error of q (Neal 1998, Bayesian Statistics 6:475; Cotter et al.
-///   2013, Statistical Science 28:424). In many dimensions, a contraction therefore moves farther
-///   than a walk. It moves slowly in regions where q is too small.
+///   generated z. With z = μ + L u, the contraction proposes μ + L (√(1 - s²) u + s ξ) with ξ ~
+///   N(0, I). A contraction leaves q invariant, so the acceptance depends only on the error of q
+///   (Neal 1998, Bayesian Statistics 6:475; Cotter et al. 2013, Statistical Science 28:424). In
+///   many dimensions, a contraction therefore moves farther than a walk, but it moves slowly in
+///   regions where q is too small.
 struct SweepProposal {
   enum class Kind { renewal, walk, contraction };
 

@@ -31,8 +31,8 @@ struct Bridge {
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
 /// Bridge sampling with the optimal bridge of Meng & Wong (1996, Statistica Sinica 6:831). q is a
-/// normal mixture fitted to the first half of each chain. With l = π/q at the draws of the second
-/// half (1) and at draws of q (2),
+/// normal mixture fitted to the first half of each chain. With l = π/q at the posterior draws of
+/// the second half (index 1) and at draws of q (index 2),
 ///
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///
@@ -51,7 +51,7 @@ struct Bridge {
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
-/// Runs bridge sampling like the function above, with a given pilot.
+/// Runs bridge sampling like the previous function, but with a given pilot.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 

@@ -16,20 +16,21 @@ struct ImpliedProbabilities {
   std::vector<double> standard_error;
 };
 
-/// Takes one evidence per model of the space. Throws std::invalid_argument if the number of
-/// evidences differs from the number of models.
+/// Computes the model probabilities that the evidences imply. `evidences` has one entry per model
+/// of the space. Throws std::invalid_argument if the number of evidences differs from the number of
+/// models.
 [[nodiscard]] ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                                          const std::vector<Evidence>& evidences);
 
-/// A model whose sampled probability and implied probability differ significantly.
+/// A model with a significant difference between its sampled and its implied probability.
 struct Disagreement {
   int model;
   double sampled, sampled_error, implied, implied_error;
 };
 
-/// The models whose sampled and implied probabilities differ by more than `sigmas` combined
-/// standard errors and by more than `least`. The list is empty if the standard error of an evidence
-/// is unknown (as for Laplace's method).
+/// Returns the models whose sampled probabilities differ from the probabilities implied by the
+/// evidences. A difference must exceed both `sigmas` combined standard errors and `least`. The list
+/// is empty if the standard error of an evidence is unknown (as for Laplace's method).
 [[nodiscard]] std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
                                                       const std::vector<double>& sampled_error,
                                                       const ImpliedProbabilities& implied,

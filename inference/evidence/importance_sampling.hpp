@@ -24,9 +24,10 @@ struct ImportanceSampling {
   double pareto_k = 0.0;         ///< Pareto shape of the weights (pareto_shape)
 };
 
-/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to pilot draws, with a
-/// defensive component. The standard error is sd(w) / (mean(w) √n). Warns that the error is
-/// unreliable if the Pareto shape exceeds 0.7 or there are fewer than 100 effective draws.
+/// Estimates Z = E_q[π/q] from draws of the proposal q. An example of q is a mixture fitted to
+/// pilot draws, with a defensive component. The standard error is sd(w) / (mean(w) √n). Warns that
+/// the error is unreliable if the Pareto shape exceeds 0.7 or there are fewer than 100 effective
+/// draws.
 [[nodiscard]] ImportanceSampling importance_sampling(const Problem& problem, int model,
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
@@ -41,8 +42,8 @@ struct ImportanceSampling {
                                                         const std::function<bool()>& stop = {});
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
-/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the moments of the
-/// weights are finite up to the order 1/k̂. The result is -∞ if the fit has fewer than 5 weights.
+/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25(72):1): moments of the weights
+/// up to the order 1/k̂ are finite. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 /// Above this shape k̂, the sample variance of the weights does not give the error of their mean

@@ -36,11 +36,12 @@ struct Laplace {
 };
 
 /// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the posterior mode z*, in standard
-/// normal coordinates, in which the prior has no bounds. H comes from central differences with
+/// normal coordinates, in which the prior has no bounds. H is computed by central differences with
 /// steps that lower ln π by about 0.05. The method covers one posterior mode only. The result has a
 /// warning if H is not positive definite, or if importance sampling at the posterior mode (1000
-/// draws) shows that the posterior is not normal. For example, if the likelihood does not vary
-/// while a location moves within a finite element, the curvature is that of the prior.
+/// draws) shows that the posterior is not normal. An example is a likelihood that is constant for
+/// locations within a finite element: the curvature of ln π along the location is that of the
+/// prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 
 }  // namespace wheeltap::inference

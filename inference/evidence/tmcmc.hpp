@@ -12,24 +12,26 @@
 
 namespace wheeltap::inference {
 
-/// Order in which the data enter, for records that can be shortened: all data at once, a growing
-/// part of the record, or the better of these two.
+/// How TMCMC adds the data of a record that can be shortened: all data at once, a growing part of
+/// the record, or the better of these two ways.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  /// Number of independent replicates, at least 4; their scatter gives the standard error
+  /// Number of independent replicates, at least 4. The scatter of the replicates gives the standard
+  /// error.
   int replicates = 8;
   int samples = 500;        ///< number of samples per replicate
-  double weight_cov = 0.5;  ///< coefficient of variation of the weights, which determines each
-                            ///< increment of β
-  /// Number of accepted moves per sample, on average, before the next stage. For a growing record,
-  /// which has many stages, this number is halved.
+  double weight_cov = 0.5;  ///< coefficient of variation of the weights; sets the steps of β
+  /// Required mean number of accepted moves per sample before the next stage. For
+  /// the path of a growing record, which has many stages,
+  /// half of this number is required.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant, finite at every finite z. Several threads may call this function at once. The
-  /// approximation screens moves in stages with a small error (see `tmcmc`).
+  /// to a constant; it must be finite at every finite z. Several threads may call this function at
+  /// once. In stages in which the error of the approximation is small, the approximation screens
+  /// moves (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
@@ -49,7 +51,7 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
   int stages = 0;                     ///< largest number of stages of any replicate
-  /// Number of half-stages with screened moves, summed over the replicates
+  /// Number of times that screened moves moved one half of the samples, over all replicates
   long screened = 0;
   /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
   /// tempered posteriors, and log_posterior is empty.
@@ -63,18 +65,19 @@ struct Tmcmc {
 /// where `factor` is the prior factor. Stage j weights the samples by [factor · likelihood]^(β_j -
 /// β_{j-1}), resamples, and makes Metropolis moves. Z is the product of the mean weights.
 ///
-/// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
-/// 89:539). The first part of the data leads from the prior to the posterior given the first 50
-/// time samples of the record. Each further part at most doubles the number of time samples. β is
-/// then the exponent of the likelihood of the new samples. The posterior of a long record lies at
-/// the end of a ridge. The ridge narrows gradually with the number of time samples, but suddenly
-/// with the exponent. Small pilot runs with each path decide which path is used.
+/// If a problem can be shortened, the data may be added in parts (Chopin 2002, Biometrika
+/// 89:539). With the first part, the densities π_j lead from the prior to the posterior given the
+/// first 50 time samples of the record. Each further part at most doubles the number of time
+/// samples. β is then the exponent of the likelihood of the new samples. The posterior of a long
+/// record lies at the end of a ridge. The ridge narrows gradually as the number of time samples
+/// increases, but suddenly as the exponent β increases. Small pilot runs with and without parts of
+/// the data determine whether the data enter in parts.
 ///
 /// Differences from the methods of Ching & Chen and of Chopin:
 ///
 /// - Bisection finds the β for which the coefficient of variation of the weights is 0.5. With the
 ///   value 1 of Ching & Chen, ln Z was two nats too low for a chain of masses with a stop, whose
-///   tempered posteriors change direction from stage to stage.
+///   tempered posteriors change their orientation between stages.
 /// - Resampling is systematic.
 /// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
 ///   fraction of prior draws with a positive likelihood. If draws with a positive likelihood are
@@ -89,13 +92,13 @@ struct Tmcmc {
 /// - All weights are computed in log space.
 /// - With an approximation s(z) of ln (prior factor · likelihood), a move makes several Metropolis
 ///   steps that leave p₀ exp(β c s) invariant, 0 < c <= 1. The likelihood is then evaluated at the
-///   last point y, and the move from x is accepted with probability min{1, exp(β [e(y) - e(x)])},
-///   where e is the error of c s (surrogate transition method: Liu 2001, Monte Carlo Strategies in
-///   Scientific Computing, section 9.4.3; delayed acceptance: Christen & Fox 2005). The moves
-///   therefore leave π_j invariant for every s. The factor c minimises the standard deviation of β
-///   e over the other half of the samples. Samples are moved in this way only if this deviation is
-///   below 1.5. Samples at a posterior mode that s lacks have large errors, so that all moves of
-///   this stage use the likelihood alone.
+///   last point y. With the error e = ln (prior factor · likelihood) - c s, the move from x to y is
+///   accepted with probability min{1, exp(β [e(y) - e(x)])} (surrogate transition method: Liu 2001,
+///   Monte Carlo Strategies in Scientific Computing, section 9.4.3; delayed acceptance: Christen &
+///   Fox 2005). The moves therefore leave π_j invariant for every s. The factor c minimises the
+///   standard deviation of β e over the other half of the samples. The moves use s only if this
+///   standard deviation is below 1.5. If s lacks a posterior mode, samples at this mode have large
+///   errors e, and all moves of this stage use only the likelihood.
 ///
 /// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the relative standard
 /// error of this mean times √((R-1)/(R-3)). This factor is the standard deviation of Student's t

@@ -445,29 +445,29 @@ LogApproximation normal_approximation(const std::vector<Mode>& modes) {
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
   const int d = problem.space[model].dimension;
-  const int particles = brief ? std::min(kBriefParticles, options.particles)
-                              : scaled_particles(options.particles, d);
+  const int particles =
+      brief ? std::min(kBriefParticles, options.particles) : scaled_particles(options.particles, d);
   const bool worthwhile = (problem.costly || d > kFewDimensions) && !found.modes.empty();
   double done = 0.0;
   try {
-    Tmcmc annealed = tmcmc(
-        problem, model,
-        {.seed = options.seed,
-         .replicates = kExplorations,
-         .samples = std::max(particles / kExplorations, 50),
-         // Sufficient for an exploration; a requested evidence needs less.
-         .weight_cov = 1.0,
-         .acceptances = brief ? 1.0 : 4.0,
-         .path = brief ? TmcmcPath::growing : TmcmcPath::better,
-         .approximation = worthwhile ? normal_approximation(found.modes) : nullptr,
-         .most_evaluations = brief ? kBriefCalls : 0,
-         .threads = options.threads,
-         .progress =
-             [&](double share) {
-               done += share;
-               return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
-             },
-         .stop = options.stop});
+    Tmcmc annealed =
+        tmcmc(problem, model,
+              {.seed = options.seed,
+               .replicates = kExplorations,
+               .samples = std::max(particles / kExplorations, 50),
+               // Sufficient for an exploration; a requested evidence needs less.
+               .weight_cov = 1.0,
+               .acceptances = brief ? 1.0 : 4.0,
+               .path = brief ? TmcmcPath::growing : TmcmcPath::better,
+               .approximation = worthwhile ? normal_approximation(found.modes) : nullptr,
+               .most_evaluations = brief ? kBriefCalls : 0,
+               .threads = options.threads,
+               .progress =
+                   [&](double share) {
+                     done += share;
+                     return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
+                   },
+               .stop = options.stop});
     found.annealed = annealed.evidence;
     found.calls.anneal += annealed.evidence.likelihood_evaluations;
     if (!annealed.cut) {

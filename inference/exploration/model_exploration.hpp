@@ -22,7 +22,7 @@ struct ExplorationOptions {
   long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
   bool anneal = true;    ///< run SMC from the prior, but only as much as needed
-  /// If true, run local optimisations only, for one of very many models. The evidence is then
+  /// If true, run only local optimisations (for a model of a very long list). The evidence is then
   /// computed by Laplace's method, with an assumed error of one nat. The population is drawn from
   /// the normal approximations at the posterior modes.
   bool climbs_only = false;
@@ -34,7 +34,7 @@ struct ExplorationOptions {
   int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// Number of threads; 0: all threads of the machine. The results do not depend on this number.
   int threads = 0;
-  /// Draws by another method, e.g. tempering over all models; draws × dimension.
+  /// Draws from another sampling method, e.g. tempering over all models; draws × dimension.
   Eigen::MatrixXd draws{};
   /// Callback, called from one thread at a time with the fraction of the work done since the last
   /// call. If the callback returns false, the exploration ends.
@@ -47,8 +47,8 @@ struct ExplorationOptions {
 /// Models with more dimensions need more SMC particles and more steps of a move.
 inline constexpr int kFewDimensions = 20;
 
-/// The number of SMC particles of a model with d dimensions: proportional to d above
-/// kFewDimensions, because the proposals need the covariance of the particles.
+/// The number of SMC particles of a model with d dimensions. For d > kFewDimensions, the number is
+/// proportional to d, because the proposals need the covariance of the particles.
 [[nodiscard]] constexpr int scaled_particles(int particles, int d) {
   return particles / kFewDimensions * std::max(kFewDimensions, d);
 }
@@ -83,7 +83,7 @@ struct ModelExploration {
   std::vector<double> annealed_log_posterior;  ///< ln π at each SMC draw
   /// Evidence by SMC; NaN if SMC did not run or failed
   Evidence annealed = kNoEvidence;
-  /// Evidence by importance sampling; NaN if nothing was found
+  /// Evidence by importance sampling; NaN if no posterior mode was found
   Evidence sampled = kNoEvidence;
   double effective_draws = 0.0;  ///< effective sample size of the importance sampling
   double efficiency = 0.0;       ///< effective_draws divided by the number of draws
@@ -98,22 +98,23 @@ struct ModelExploration {
   [[nodiscard]] bool settled() const;
 };
 
-/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways: searches
-/// maximise the density from many starting points, and SMC follows the probability mass along a
-/// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
+/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways. Searches
+/// maximise the density from many starting points. SMC follows the probability mass along a path of
+/// temperatures. One normal mixture is fitted to the results of both methods. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
 /// balance heuristic) gives the mixture's draws the correct weights. A posterior mode that only one
 /// method found is thus included. A posterior mode that both methods found is counted once.
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
-/// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
-/// probability mass. Two results indicate missed probability mass. First, the evidence by SMC
-/// exceeds the evidence by the mixture significantly, by the criterion of the convergence
-/// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
-/// draws leads to another posterior mode. On a record, SMC may fail on the first samples. SMC then
-/// ends after a fixed number of likelihood evaluations, and local optimisations from its current
-/// draws replace it. A full SMC run follows only if the brief run shows missed probability mass, or
-/// if the local optimisations did not determine the posterior.
+/// local optimisations determine the posterior (`settled`), a brief SMC run tests whether they
+/// missed probability mass. Two results indicate missed probability mass. First, the evidence by
+/// SMC is significantly larger than the evidence by the mixture (criterion of the convergence
+/// diagnosis). Second, SMC draws lie far from every known mode, and a local optimisation from these
+/// draws leads to another posterior mode. For a record, SMC may not reach the posterior of the
+/// first samples. SMC then ends after a fixed number of likelihood evaluations, and local
+/// optimisations from the current SMC draws follow instead. A full SMC run follows only if the
+/// brief run shows missed probability mass, or if the local optimisations did not determine the
+/// posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
@@ -121,15 +122,15 @@ struct ModelExploration {
 /// modes found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a run
-/// as long as needed.
+/// Second stage of explore_model, after survey_model: SMC. `how` selects a brief SMC run, or an SMC
+/// run that is as long as necessary.
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the posterior mode whose normal approximation, divided by its peak value, is the
-/// highest at z. This is the nearest mode if distances are measured in standard deviations of each
-/// mode. The result is -1 if `modes` is empty.
+/// Index of the posterior mode nearest to z, if distances are measured in standard deviations of
+/// each mode: its normal approximation, divided by its peak value, is the highest at z. The result
+/// is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

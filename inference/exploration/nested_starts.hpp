@@ -19,14 +19,15 @@ namespace wheeltap::inference {
 /// terms is nested in all subsets.
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 
-/// Starting points of local optimisations in `model`, from the best posterior modes of at most
-/// `most` explored models nested in `model`. Models that lack the fewest parameters of `model` come
-/// first; among equals, the highest evidence. Each model gives two starting points: with the
-/// missing parameters at the median of their priors, and at the 7 % quantile (z = -1.5). For a
-/// coefficient of either sign, the median means no effect; for a positive coefficient, the quantile
-/// means a small effect. The search thus finds a force law that has one more term than a force law
-/// already found. Local optimisations from draws of the prior would rarely find this force law. The
-/// result is empty if no explored model is nested in `model`.
+/// Starting points of local optimisations in `model`, computed from the best posterior modes of at
+/// most `most` explored models that are nested in `model`. The nested models are ordered by the
+/// number of missing parameters, then by descending evidence. Each nested model gives two starting
+/// points. The missing parameters are at the medians of their priors in the first point, and at the
+/// 7 % quantiles (z = -1.5) in the second. A coefficient of either sign has no effect at the
+/// median. A positive coefficient has a small effect at the 7 % quantile. The search thus finds a
+/// force law that has one more term than a force law already found. Local optimisations from draws
+/// of the prior would rarely find this force law. The result is empty if no explored model is
+/// nested in `model`.
 [[nodiscard]] std::vector<std::vector<double>> nested_starts(
     const ModelSpace& space, int model, const std::vector<ModelExploration>& explorations,
     std::size_t most);

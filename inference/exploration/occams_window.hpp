@@ -14,10 +14,10 @@ class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// `within`: models one step within m. `around`: models of which m is one step within.
+  /// `within`: models one step within m. `around`: models b such that m is one step within b.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Smallest number of steps from m to a model that contains no other model.
+  /// Smallest number of steps from m to a model that contains no nested model.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:
@@ -44,7 +44,7 @@ class ModelLattice {
                                               const std::vector<ModelExploration>& explorations);
 
 /// A starting point for model m: the best posterior mode of the most probable explored
-/// model in around(m), without the parameters that m lacks. Empty if no such model was
+/// model in around(m), without the parameters that m lacks. Empty if no model in around(m) was
 /// explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,

@@ -10,10 +10,10 @@
 
 namespace wheeltap::inference {
 
-/// Samples each model's posterior given the first few thousand samples of the record. Newton steps
-/// then follow the posterior mode from the best sample as the record grows to its full length. The
-/// function returns, for each model, one posterior mode and the number of likelihood evaluations.
-/// The evidence is NaN if no posterior mode was found. Requires `problem.shortened`.
+/// Draws from each model's posterior given the first few thousand samples of the record. Newton
+/// steps then track the posterior mode, from the best sample on, as the record grows to its full
+/// length. The function returns, for each model, one posterior mode and the number of likelihood
+/// evaluations. The evidence is NaN if no posterior mode was found. Requires `problem.shortened`.
 [[nodiscard]] std::vector<Laplace> climb_with_record(const Problem& problem, const Options& options,
                                                      ProgressMonitor& monitor);
 

@@ -28,8 +28,8 @@ class NormalMixture {
 
   struct FitOptions {
     int max_components = 20;
-    /// The number of components minimises -ln likelihood + ½ · parameters · ln n (BIC: fewer
-    /// components) or -ln likelihood + parameters (AIC: closer fit).
+    /// Criterion that the number of components minimises: BIC is -ln likelihood + ½ · parameters ·
+    /// ln n (fewer components), AIC is -ln likelihood + parameters (closer fit).
     Criterion criterion = Criterion::bic;
     /// Weight of an added component N(0, defensive_sd² I), which covers tails without samples
     /// (Hesterberg 1995). With defensive_sd = 1, this component equals the prior in standard normal
@@ -90,8 +90,8 @@ class NormalMixture {
   [[nodiscard]] int sample_component(base::Random& random) const;
 
   /// Computes u = L_k⁻¹ (z - μ_k); the next function computes z from u. The Jacobian |dz/du| is
-  /// e^{log_determinant(k)}. Applied to components of two models, the two functions form the affine
-  /// transport of Green 2003.
+  /// e^{log_determinant(k)}. `standardise` with a component of one model and `unstandardise` with a
+  /// component of another model together form the affine transport of Green 2003.
   void standardise(int k, std::span<const double> z, std::span<double> u) const;
   void unstandardise(int k, std::span<const double> u, std::span<double> z) const;
   [[nodiscard]] double log_determinant(int k) const;

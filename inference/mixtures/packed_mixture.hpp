@@ -11,8 +11,8 @@
 
 namespace wheeltap::inference::packed {
 
-/// Packs components for vector instructions. For ν = ∞, the constants c belong to normal
-/// components; for finite ν, to components with Student's t distribution.
+/// Packs components for vector instructions. The constants c are those of normal components if ν =
+/// ∞, and those of components with Student's t distribution if ν is finite.
 [[nodiscard]] std::vector<double> pack(const std::vector<NormalMixture::Component>& components,
                                        double nu);
 

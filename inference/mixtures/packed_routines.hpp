@@ -11,7 +11,7 @@ inline constexpr std::size_t kLanes = 8;
 inline constexpr std::size_t kMaxComponents = 512;
 
 /// Components are stored in groups of eight, so that one instruction processes several components.
-/// A group of a packed mixture holds eight numbers of each of these:
+/// A group of a packed mixture holds eight values (one per component) of each of:
 ///   c;  b_1, A_11;  b_2, A_21, A_22;  …
 /// Component k has the log density c_k - ½ |A_k z - b_k|². Returns the number of doubles per group.
 [[nodiscard]] constexpr std::size_t group_stride(std::size_t d) {
@@ -33,12 +33,12 @@ struct Routines {
   /// ln Σ_k exp(c_k - ½ |A_k z - b_k|²)
   double (*log_density)(const double* packed, std::size_t groups, std::size_t stride,
                         const double* z, std::size_t d);
-  /// |A_k z - b_k|² of every k
+  /// |A_k z - b_k|² of each mixture component k
   void (*quadratic_forms)(const double* packed, std::size_t groups, std::size_t stride,
                           const double* z, std::size_t d, double* values);
-  /// One pass of EM over the samples. A group of `moments` holds eight numbers of each of these:
+  /// One EM iteration over the samples. A group of `moments` has eight values of each sum:
   ///   Σ w r;  Σ r;  Σ w r e_1, Σ w r e_1 e_1;  Σ w r e_2, Σ w r e_2 e_1, Σ w r e_2 e_2;  …
-  /// with responsibilities r and deviations e = z - μ from the *current* means, which avoids
+  /// with responsibilities r and deviations e = z - μ from the *current* means, which avoid
   /// cancellation in the moments of a narrow component. Returns Σ w ln q.
   double (*em_pass)(const double* packed, const double* means, std::size_t groups,
                     std::size_t stride, const Samples& samples, double* moments);

@@ -19,7 +19,7 @@ constexpr std::size_t kParts = kLanes / kWidth;
 constexpr double kNever = -__builtin_inf();
 
 // A vector as wide as a SIMD register of the processor. GCC splits wider vectors into parts and
-// exchanges data between them through memory. This data exchange took half of the run time.
+// exchanges data between the parts through memory. This data exchange took half of the run time.
 using Part [[gnu::vector_size(kWidth * sizeof(double))]] = double;
 using PartBits [[gnu::vector_size(kWidth * sizeof(double))]] = long long;
 

@@ -20,7 +20,7 @@ std::string describe(const EvidenceWarning& warning) {
              "); make more draws";
     case Kind::chains_disagree:
       return "chains disagree (R-hat " + value +
-             "): make more draws, or use a pilot that covers every posterior mode";
+             "): make more draws, or use a pilot run that covers every posterior mode";
     case Kind::heavy_tail:
       return "the tail of the importance weights is too heavy (Pareto shape " + value +
              " > 0.7); the proposal misses part of the posterior";

@@ -1,4 +1,4 @@
-// Warnings about an evidence estimate, as data. The caller turns a warning into a message.
+// Warnings about an evidence estimate, as values without text. The caller composes the message.
 #pragma once
 
 #include <concepts>

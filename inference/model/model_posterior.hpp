@@ -27,12 +27,12 @@ struct Evidence {
 inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
                                   .standard_error = std::numeric_limits<double>::quiet_NaN()};
 
-/// ln π(z) = ln p₀(z) + ln prior factor + ln likelihood in standard normal coordinates, for one
-/// thread, where
+/// The log posterior in standard normal coordinates, for one thread:
 ///
-///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   if the components are sorted by first coordinate, else 0,
+///   ln π(z) = ln p₀(z) + ln prior factor + ln likelihood,
+///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   if the components are sorted by first coordinate, else 0.
 ///
-/// is the prior of the unordered set, and integrates to 1.
+/// p₀ is the prior of the unordered set, and integrates to 1.
 class ModelPosterior {
  public:
   struct Value {
@@ -52,15 +52,15 @@ class ModelPosterior {
   /// Evaluates the log posterior at z. All values are -∞ if z is not finite or its components are
   /// not in order. Throws LikelihoodError under the conditions of Target.
   Value operator()(std::span<const double> z);
-  /// Evaluates the log posterior at z if only values with log_base + beta · log_gain >= `level` are
-  /// needed. Smaller values may be returned as -∞.
+  /// Evaluates the log posterior at z for a caller that needs only values with log_base + beta ·
+  /// log_gain >= `level`. If this sum is below `level`, the function may return -∞.
   Value above(double level, double beta, std::span<const double> z);
   /// Evaluates the log posterior at several z, stored one after the other. Values of
   /// log_posterior() below `level` may be returned as -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
-  /// The physical parameters of the last z with ordered components that was evaluated alone, not
-  /// together with others.
+  /// The physical parameters at the last z whose components were in order and that was not
+  /// evaluated in a batch.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
   /// Sorts the exchangeable components of z.

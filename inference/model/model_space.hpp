@@ -21,17 +21,17 @@ struct Parameter {
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
-/// because k! labelled vectors are the same set. A birth inserts a component at its position in the
-/// order. A death removes one of the k + 1 components, chosen uniformly; the probability 1/(k+1) of
-/// this choice cancels the ratio (k+1)!/k! of the prior densities.
+/// because k! labelled vectors represent the same set. A birth inserts a component at its position
+/// in the order. A death removes one of the k + 1 components, chosen uniformly. The probability
+/// 1/(k+1) of this choice cancels the ratio (k+1)!/k! of the prior densities.
 struct ComponentKind {
   std::string name;                   ///< name in the singular, as in "1 damage"
   std::string plural;                 ///< name in the plural, as in "2 damages"
   std::vector<Parameter> parameters;  ///< parameters of one component
 };
 
-/// A competing model. The layout of its parameter vector is
-///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
+/// A competing model. The layout of the parameter vector is
+///   [ parameters of the model itself | components of kind 0 | components of kind 1 | … ].
 struct Model {
   std::string name;
   double log_prior;             ///< log prior probability, normalised over the space
@@ -75,9 +75,9 @@ class ModelSpace {
     double weight;
   };
 
-  /// Creates a space of any models over a shared table of parameters. Throws std::invalid_argument
-  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or prior
-  /// weights that are negative or all zero.
+  /// Creates a space of arbitrary models that share a table of parameters. Throws
+  /// std::invalid_argument for a name that is not in the table, a parameter that no model uses,
+  /// duplicate names, or prior weights that are negative or all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);
   /// Creates a space of models with component sets: one model per entry of `counts`, all with the

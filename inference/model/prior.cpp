@@ -283,7 +283,7 @@ Prior::Prior(Family family) : family_(std::move(family)) {
             const double remote = std::max({f.lower - f.mean, f.mean - f.upper, 0.0}) / f.sd;
             if (!(remote <= 1e100))
               refuse(kName, "sd", f.sd,
-                     "1e-100 times the mean's distance from the interval, or more");
+                     "at least 1e-100 times the distance of the mean from the interval");
             return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
           },
           [](const InverseGamma& f) {

@@ -81,10 +81,10 @@ struct OwnPrior {
 /// The prior of one parameter. All inference uses the *standard normal coordinate* z of each
 /// parameter,
 ///
-///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
+///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)).
 ///
-/// with F the prior's distribution function, so that a priori z ~ N(0, 1) for every family, unit
-/// and bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
+/// F is the distribution function of the prior. A priori, z ~ N(0, 1) for every family, unit and
+/// bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
 /// Proposals then need no bounds, a birth from the prior is a standard normal draw, and results do
 /// not depend on the units of parameters.
 class Prior {
@@ -106,8 +106,8 @@ class Prior {
   [[nodiscard]] double from_standard_normal(double z) const;
   /// z = Φ⁻¹(F(x)); ±∞ at or outside the bounds of the support.
   [[nodiscard]] double to_standard_normal(double x) const;
-  /// dx/dz = φ(z) / p(x(z)), in the unit of x, >= 0; 0 if x(z) equals a bound of the support in
-  /// floating point.
+  /// dx/dz = φ(z) / p(x(z)) >= 0 in the unit of x. The result is 0 if x(z) is rounded to a bound of
+  /// the support.
   [[nodiscard]] double slope(double z) const;
   [[nodiscard]] double lower() const;  ///< bounds of the support, possibly ±∞
   [[nodiscard]] double upper() const;

@@ -37,7 +37,7 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
     if (i > 0 && !(x_[i] > x_[i - 1]))
       refuse_table("x", i, x_[i], "greater than the previous value");
     if (i > 0 && !std::isfinite(x_[i] - x_[i - 1]))
-      refuse_table("x", i, x_[i], "within the range of double from the previous value");
+      refuse_table("x", i, x_[i], "at a finite distance from the previous value");
     if (!(p_[i] >= 0.0 && std::isfinite(p_[i])))
       refuse_table("density", i, p_[i], ">= 0 and finite");
     if (p_[i] == 0.0 && ((i > 0 && i < last) || last == 1))
@@ -47,7 +47,7 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
   const double top = *std::ranges::max_element(p_);
   const double extent = x_[last] - x_[0];
   if (!std::isfinite(extent))
-    refuse_table("x", last, x_[last], "within the range of double from the first value");
+    refuse_table("x", last, x_[last], "at a finite distance from the first value");
   double mass = 0.0;
   for (double& p : p_) p /= top;
   for (std::size_t i = 0; i < last; ++i)

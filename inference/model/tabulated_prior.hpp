@@ -26,8 +26,8 @@ class TabulatedPrior : public Distribution {
   [[nodiscard]] std::string describe() const override;
 
  private:
-  /// Probability mass of cell i from its left end to a distance s from this end. The next function
-  /// gives the mass within a distance s from the right end.
+  /// Returns the probability mass of cell i within the distance s from the left end of the cell.
+  /// from_right returns the mass within the distance s from the right end.
   [[nodiscard]] double from_left(std::size_t i, double s) const;
   [[nodiscard]] double from_right(std::size_t i, double s) const;
 

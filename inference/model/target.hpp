@@ -26,11 +26,11 @@ struct Evaluation {
   /// number of components. Births are then proposed at locations where a new component reduces the
   /// residuals.
   std::vector<double> residuals = {};
-  /// The common factor of all noise standard deviations if this factor is a parameter, and 1 for
-  /// known noise. The product residual · noise_scale then does not depend on the noise.
+  /// The common factor of all noise standard deviations if this factor is a parameter; 1 for known
+  /// noise. The product residual · noise_scale therefore does not depend on this factor.
   double noise_scale = 1.0;
 
-  /// Resets the values and keeps the memory.
+  /// Resets the values, but keeps the allocated memory.
   void clear() {
     log_likelihood = -std::numeric_limits<double>::infinity();
     prediction.clear();
@@ -50,9 +50,9 @@ class Likelihood {
   /// an error that names the model and the parameters. x has the layout of Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
-  /// Like log_likelihood, but the caller needs only values of at least `floor`. For a smaller
-  /// value, the likelihood may return -∞ as soon as it detects this (early rejection: Solonen et
-  /// al. 2012, section 2).
+  /// Like log_likelihood, but the caller needs only values of at least `floor`. The
+  /// likelihood may return -∞ as soon as it detects that the value is smaller (early rejection:
+  /// Solonen et al. 2012, section 2).
   virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
     return log_likelihood(model, x);
   }
@@ -70,8 +70,8 @@ class Likelihood {
     return out;
   }
 
-  /// Evaluates several parameter vectors of one model, one after the other in `xs`, for likelihoods
-  /// that can share work between them.
+  /// Evaluates several parameter vectors of one model, stored one after the other in `xs`. A
+  /// likelihood can override this function to share work between the vectors.
   virtual void log_likelihoods(int model, std::span<const double> xs, std::span<double> out) {
     const std::size_t d = xs.size() / out.size();
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -88,15 +88,15 @@ class Likelihood {
   /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any x with
   /// a positive likelihood, even if x was not evaluated before. Returns false, with `out`
   /// undefined, if there is no gradient. Searches and proposals use the gradient; acceptance ratios
-  /// do not depend on the gradient. If the likelihood is a step function of x_i, its derivative is
-  /// zero, and the function should return the slope across the steps.
+  /// do not depend on the gradient. If the likelihood is a step function of x_i, the derivative is
+  /// zero. The function should then write a difference quotient over one step or more.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
 
   /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about an x with a positive
-  /// likelihood, a quadratic function from the residuals' first derivatives (Nocedal & Wright 2006,
-  /// section 10.3). With steps s,
+  /// likelihood: a quadratic function based on the first derivatives of the residuals (Nocedal &
+  /// Wright 2006, section 10.3). With steps s,
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
   ///
@@ -109,7 +109,7 @@ class Likelihood {
                             std::span<double> /*information*/) {
     return false;
   }
-  /// True if `gradient` and `gauss_newton` give exact derivatives and take as long as about two
+  /// True if `gradient` and `gauss_newton` give exact derivatives, each in about the time of two
   /// evaluations.
   [[nodiscard]] virtual bool has_exact_derivatives() const { return false; }
 };
@@ -140,8 +140,8 @@ struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
   /// Largest factor by which the engine may increase the fraction of MCMC steps that use this move.
-  /// The fraction increases if the move changes the model more often than the engine's own moves at
-  /// equal run time.
+  /// The fraction increases if, at equal run time, the move changes the model more often than the
+  /// engine's own moves.
   double most = 1.0;
 };
 
@@ -187,33 +187,33 @@ struct State {
   bool evaluated = false;  ///< true: log_likelihood and prediction also belong to z
 };
 
-/// Thrown if a model's likelihood is zero at every draw of its prior, or too often NaN or +∞. The
-/// message names the model and the parameter values.
+/// Thrown if a model's likelihood is zero at every draw from its prior, or is too often NaN or +∞.
+/// The message names the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The posterior density of one problem, for one thread. With respect to dz, it is
+/// The posterior density of one problem, for one thread. The log density with respect to dz is
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln prior factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if all of the
-/// first 20 values of the likelihood or of its approximation are NaN or +∞, or more than 1 % of at
-/// least 1000 values.
+/// A log likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError in two cases:
+/// if all of the first 20 values of the likelihood or of its approximation are NaN or +∞, or if
+/// more than 1 % of at least 1000 values are.
 class Target {
  public:
   /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument if a factory of the
   /// problem is missing or returns null.
   Target(const Problem& problem, bool prior_only);
 
-  /// Counts of values of one likelihood.
+  /// Number of values that one likelihood has returned, and number of invalid values among them.
   struct Tally {
     long values = 0;
     long impossible = 0;  ///< number of values of NaN or +∞
   };
-  /// The complete state of a target between two calls. Another target of the same problem gives
-  /// identical results after it receives this state.
+  /// The complete state of a target between two calls. If another target of the same problem
+  /// receives this state, both targets give identical results.
   struct Memory {
     std::vector<double> bias;       ///< bias of each model (set_model_bias)
     std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
@@ -223,8 +223,8 @@ class Target {
   };
   [[nodiscard]] const Memory& memory() const { return memory_; }
   void set_memory(Memory memory) { memory_ = std::move(memory); }
-  /// Packs or unpacks the counts alone, for the target of the same problem on another rank
-  /// (base/parcel.hpp).
+  /// Packs only the counts for the target of the same problem on another rank, or unpacks these
+  /// counts (base/parcel.hpp).
   template <class Parcel>
   void carry(Parcel& parcel) {
     parcel(memory_.evaluations, memory_.full_evaluations, memory_.proper.values,
@@ -243,10 +243,10 @@ class Target {
   /// Computes the members of `state` that moves may use: all members or, if the problem has an
   /// approximation, all except the full likelihood and its prediction.
   void screen(State& state);
-  /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
-  /// log_screen of other states may be -∞.
+  /// Like `screen`, for a caller that needs only states with beta · log_screen + log_prior >=
+  /// `level`. For all other states, log_screen may be -∞.
   void screen_above(double level, double beta, State& state);
-  /// Computes the remaining members of a screened state.
+  /// Computes those members of a screened state that `screen` does not compute.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
   /// Likelihood::has_exact_derivatives.
@@ -254,8 +254,8 @@ class Target {
     return likelihood_ && likelihood_->has_exact_derivatives();
   }
 
-  /// Log of the prior density of z, multiplied by the prior factor of the problem. The state must
-  /// have been evaluated.
+  /// Log of the prior density of z, multiplied by the prior factor of the problem. Requires an
+  /// evaluated state.
   [[nodiscard]] double log_prior(const State& state) const;
   /// Log density of the prior with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;
@@ -269,12 +269,12 @@ class Target {
   /// ∂ ln π/∂z_i and a positive definite approximation of -∂² ln π/∂z_i ∂z_j (row by row) by
   /// Likelihood::gauss_newton with differences over dz, one step per coordinate. Returns false,
   /// with undefined output, if the posterior density at z is zero, if the problem has components,
-  /// an approximation or a prior factor, or if the likelihood has no such approximation. The
-  /// function sets state.x but no log densities.
+  /// an approximation or a prior factor, or if the likelihood has no Gauss-Newton approximation at
+  /// z. The function sets `state.x`, but not the log densities.
   bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
                     std::span<double> information);
 
-  /// Draws model and parameters from the prior without the prior factor. The state is not
+  /// Draws model and parameters from the prior; the prior factor is ignored. The state is not
   /// evaluated.
   void draw_prior(base::Random& random, State& state) const;
   /// Draws the parameters of one model from the prior. The state is not evaluated.
@@ -296,7 +296,8 @@ class Target {
   [[nodiscard]] long evaluations() const { return memory_.evaluations; }
   /// Number of evaluations of the full likelihood if the problem has an approximation; otherwise 0.
   [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
-  /// Number of values of NaN or +∞ so far, of the likelihood and its approximation together.
+  /// Number of values so far that are NaN or +∞: values of the likelihood and of its approximation
+  /// together.
   [[nodiscard]] long impossible() const {
     return memory_.proper.impossible + memory_.stand_in.impossible;
   }

@@ -1,4 +1,4 @@
-// Steps along the difference of two archived states.
+// Steps in the direction of the difference between two archived states.
 #pragma once
 
 #include <memory>
@@ -17,8 +17,8 @@ using Archive = std::vector<Eigen::MatrixXd>;
 /// model (ter Braak & Vrugt 2008, with a fixed archive). The pair (b, a) has the same probability,
 /// so the proposal ratio is 1. γ is 2.38/√(2d), or 1 with probability 0.1 to jump between posterior
 /// modes. For irreducibility, e ~ N(0, s²) with s_i = 10⁻⁴ |c_i - d_i| + 10⁻¹² for two other states
-/// c and d. If the posterior or its modes are narrow, e is small, because c and d often belong to
-/// the same posterior mode.
+/// c and d. If the posterior or each of its modes is narrow, e is also small, because c and d often
+/// belong to the same posterior mode.
 class DifferentialEvolution : public Move {
  public:
   explicit DifferentialEvolution(std::shared_ptr<const Archive> archive)

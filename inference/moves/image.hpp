@@ -19,10 +19,11 @@ struct Symmetry {
   std::vector<Part> parts;
 };
 
-/// Chooses one symmetry uniformly. If `whole` is true, the symmetry is applied to every component
-/// concerned (the image of the state); if false, to one component chosen uniformly. The list must
-/// contain the inverse of each symmetry, so that the reverse move has the same probability. In the
-/// coordinates z, the ratio is the absolute Jacobian determinant of the map:
+/// Chooses one symmetry uniformly. If `whole` is true, the symmetry is applied to all components on
+/// which it acts (the image of the state). If `whole` is false, the symmetry is applied to one of
+/// these components, chosen uniformly. The list must contain the inverse of each symmetry, so that
+/// the reverse move has the same probability. In the coordinates z, the ratio is the absolute
+/// Jacobian determinant of the map:
 ///
 ///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
 ///

@@ -36,8 +36,8 @@ struct PilotFit {
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln q_m(z) - ln [ω_m' / (1 - ω_m)] - ln q_m'(z').
 ///
-/// q_m' is a density over all vectors. If the components of a draw are not in order, no proposal is
-/// made.
+/// q_m' is a density over vectors with components in any order. If the components of a draw are not
+/// in order, no proposal is made.
 class MixtureJump : public Move {
  public:
   MixtureJump(std::shared_ptr<const PilotFit> fit, bool between)

@@ -50,12 +50,12 @@ class Kernel {
   double work_;
 };
 
-/// Number of multiplications that count as one likelihood evaluation. These operations take a few
-/// microseconds, like a cheap likelihood. Work is counted and not measured in seconds, so that
-/// draws are the same on every machine.
+/// Number of multiplications that count as one likelihood evaluation. This number of
+/// multiplications takes a few microseconds, as long as one evaluation of a cheap likelihood. Work
+/// is counted in operations instead of seconds, so that draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
-/// Statistics of a kernel while its efficiency is estimated.
+/// Statistics of a kernel, for the estimate of its efficiency.
 struct KernelRecord {
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
@@ -76,8 +76,8 @@ struct KernelRecord {
   }
 };
 
-/// A move is a reversible pair: one expression gives the forward and the reverse density. A move
-/// defines only the proposal; the sampler adds prior and likelihood.
+/// A move is a reversible pair of proposals: one expression gives the forward and the reverse
+/// density. A move defines only the proposal; the sampler adds prior and likelihood.
 class Move {
  public:
   virtual ~Move() = default;
@@ -103,8 +103,8 @@ class Move {
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
 /// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The first stage accepts
-/// the proposal with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and the
-/// proposal is accepted with probability
+/// the proposal with the probability above, computed with ℓ* instead of ℓ. If so, ℓ is computed,
+/// and the second stage accepts the proposal with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///
@@ -127,16 +127,16 @@ class MetropolisHastings : public Kernel {
 /// the density at `to` is zero, and +∞ if only the density at `from` is zero.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
-/// ln of the ratio of tempered target densities with the approximate log likelihood.
+/// ln of the ratio of the tempered target densities, with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
-/// A fixed mixture of kernels. Each step selects one kernel with a probability proportional to the
-/// weight of the kernel and independent of the state. A kernel that does not apply leaves the state
+/// A fixed mixture of kernels. Each step selects one kernel with a probability that is proportional
+/// to its weight and independent of the state. A kernel that is not applicable leaves the state
 /// unchanged.
 class KernelMixture {
  public:
-  /// Adds a kernel. `most` is the largest factor by which its weight may increase
+  /// Adds a kernel. `most` is the largest factor by which the weight of this kernel may increase
   /// (kernel_efficiencies).
   void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
   /// Multiplies the weight of each kernel by its factor > 0.
@@ -160,11 +160,11 @@ class KernelMixture {
 };
 
 /// Efficiency of each kernel relative to the best other kernel of its type, limited to the range
-/// from 0.1 to `most`. The efficiency is the number of accepted moves per unit of counted work,
-/// which includes one likelihood evaluation per proposal. For kernels that propose jumps between
-/// models, only accepted jumps count. Kernels without additional work whose `most` is 1 have the
-/// efficiency 1, because some of these kernels reach states that other kernels do not reach.
-/// Kernels with too few proposals also have the efficiency 1.
+/// from 0.1 to `most`. The efficiency is the number of accepted moves divided by the work. The work
+/// of a proposal is one likelihood evaluation plus the additional work `work()` of the kernel. For
+/// kernels that propose jumps between models, only accepted jumps count. The efficiency is set to 1
+/// for kernels without additional work whose `most` is 1, because some of them reach states that no
+/// other kernel reaches. Kernels with too few proposals for an estimate also have the efficiency 1.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

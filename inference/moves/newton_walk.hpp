@@ -19,7 +19,7 @@ namespace wheeltap::inference {
 /// Metropolis adjusted Langevin algorithm: Girolami & Calderhead 2011, J. Royal Statistical Society
 /// B 73:123, section 5, with the information matrix, but not its derivatives). The move is suitable
 /// for posteriors close to a curved surface, for example if the data determine only some directions
-/// of many parameters. Each proposal costs a call of Target::gauss_newton.
+/// of many parameters. Each proposal requires a call of Target::gauss_newton.
 ///
 /// The move makes no proposal if Target::gauss_newton returns false or the likelihood has no exact
 /// derivatives.
@@ -28,8 +28,8 @@ class NewtonWalk : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  /// The approximation about z. The last two points are kept, because one of them is the next state
-  /// of the chain.
+  /// The approximation about z. The approximations about the last two points are kept, because one
+  /// of these points is the next state of the chain.
   struct Local {
     int model = -1;
     std::vector<double> z;
@@ -38,7 +38,7 @@ class NewtonWalk : public Move {
     double log_determinant = 0.0;  ///< ln |L|
   };
 
-  /// Returns the approximation about the state, or null.
+  /// Returns the normal approximation about the state, or null if it cannot be computed.
   const Local* about(const State& state, Target& target);
 
   std::array<Local, 2> known_;

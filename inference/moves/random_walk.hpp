@@ -15,12 +15,13 @@ namespace wheeltap::inference {
 /// steps (for narrow posterior modes), and 4 in the other steps (for wide posterior modes).
 ///
 /// S (lower triangular, one per block and model) adapts in warm-up by robust adaptive Metropolis
-/// (Vihola 2012, algorithm RAM), to acceptance rates of 0.44 in one dimension and 0.234 in many:
+/// (Vihola 2012, algorithm RAM). The target α* of the acceptance rate is 0.44 in one dimension and
+/// 0.234 in many:
 ///
 ///   S Sᵀ ← S (I + η_n (α - α*) u uᵀ / |u|²) Sᵀ,     η_n = min(1, d n^(-2/3)).
 class RandomWalk : public Move {
  public:
-  /// Scales of the blocks of every model, adapted in warm-up.
+  /// Proposal scale of one block of one model, adapted in warm-up.
   struct Block {
     int first = 0;  ///< coordinates [first, first + S.rows())
     Eigen::MatrixXd factor;
@@ -31,7 +32,8 @@ class RandomWalk : public Move {
   /// Adapts S (algorithm RAM) after a proposal S u with this acceptance probability.
   static void learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability);
 
-  /// Blocks of every model, with S = I. The last block of each model contains all coordinates.
+  /// Returns the blocks of every model, each with S = I. The last block of each model contains all
+  /// coordinates.
   [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
 
   /// Saves S and its number of adaptation steps, block after block; see Kernel::save.

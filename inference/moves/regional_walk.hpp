@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// z' = z + f (2.38/√d) L_k u with u ~ N(0, I), ln f uniform between ln 10⁻² and 0, and k a
+/// z' = z + f (2.38/√d) L_k u, with u ~ N(0, I) and ln f uniform between ln 10⁻² and 0. k is a
 /// component of the model's fitted mixture, chosen by its responsibility for z (Craiu, Rosenthal &
 /// Yang 2009, JASA 104:1454; Bai, Craiu & Di Narzo 2011, J. Comput. Graph. Stat. 20:63). Given f,
 ///
@@ -18,8 +18,8 @@ namespace wheeltap::inference {
 ///
 /// The responsibilities have Cauchy tails, so that the nearest component is chosen even outside the
 /// mixture. No single covariance fits a thin curved ridge. The steps of this walk follow the
-/// curvature of the ridge. The steps also reach regions outside the mixture, and the next fit then
-/// covers these regions.
+/// curvature of the ridge. The steps also reach regions outside the mixture, so that the next
+/// fitted mixture covers them.
 class RegionalWalk : public Move {
  public:
   explicit RegionalWalk(std::shared_ptr<const PilotFit> fit) : fit_(std::move(fit)) {}

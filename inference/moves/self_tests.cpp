@@ -116,14 +116,14 @@ std::string in_words(const MoveCheck& check, double false_alarm) {
   const auto counts = [](long accepted, long proposed) {
     return std::to_string(accepted) + " of " + std::to_string(proposed) + " proposals accepted";
   };
-  if (check.proposed == 0) return "the move proposed nothing from any draw of the prior";
+  if (check.proposed == 0) return "the move made no proposal from any draw of the prior";
   std::string text = counts(check.accepted, check.proposed);
   if (check.jumps_proposed > 0)
     text += ", between models " + counts(check.jumps_accepted, check.jumps_proposed);
   if (check.accepted == 0) return text + ": detailed balance could not be tested";
   text += check.passed ? "; no fault found" : "; detailed balance is VIOLATED";
   return text + " (p = " + base::significant(check.p_value, 2) + ", limit " +
-         base::significant(false_alarm, 2) + "), likelihood to the powers 0 and " +
+         base::significant(false_alarm, 2) + "), with the likelihood to the powers 0 and " +
          base::significant(check.beta, 2);
 }
 
@@ -153,7 +153,7 @@ PriorCheck check_prior(const Prior& prior) {
     const double back = prior.to_standard_normal(x), grain = resolution(prior, x);
     if (!std::isfinite(grain)) continue;  // at a bound of the support
     if (!(std::fabs(back - z) <= 1e-7 + 4.0 * grain)) {
-      fault("the distribution function of this x gives z = " + base::significant(back, 6));
+      fault("the distribution function at this x gives z = " + base::significant(back, 6));
       return check;
     }
     const std::optional<Ratio> ratio = density_over_slope(prior, z, x);

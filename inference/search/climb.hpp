@@ -11,8 +11,9 @@
 
 namespace wheeltap::inference {
 
-/// ln π(z) for components in any order, and therefore symmetric in the components. ln π is -∞ for
-/// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its likelihood evaluations.
+/// ln π(z) for components in any order: a permutation of the components does not change ln π(z). ln
+/// π is -∞ for |z_i| > 8.3, a range with a prior probability of 1e-16. Surface counts its
+/// likelihood evaluations.
 class Surface {
  public:
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
@@ -23,12 +24,13 @@ class Surface {
                          double level = -std::numeric_limits<double>::infinity());
   /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
-  /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz.
-  /// Returns false if the likelihood does not provide both at z (Likelihood::gauss_newton).
+  /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by finite differences with the
+  /// steps dz. Returns false if the likelihood has no Gauss-Newton approximation at z
+  /// (Likelihood::gauss_newton).
   bool gauss_newton(const Eigen::VectorXd& z, const Eigen::VectorXd& dz, Eigen::VectorXd& g,
                     Eigen::MatrixXd& information);
   void draw_prior(base::Random& random, Eigen::VectorXd& z);
-  /// z with its components in order.
+  /// Returns z with its exchangeable components sorted.
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
   [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
@@ -76,23 +78,26 @@ struct ClimbEnd {
   long points = 0;                    ///< number of points of the path, without the start
 };
 
-/// Optimises from `start` to a posterior mode. The function tries a few Newton steps with the
-/// curvature of the nearest known posterior mode, then Gauss-Newton steps if the likelihood offers
-/// them, or BFGS (mode_search.hpp). Between two points, the path may jump over a narrow mode to
-/// which steepest ascent would lead. `way / points` is the mean distance between two such points.
+/// Optimises from `start` to a posterior mode. The function first tries a few Newton steps with the
+/// curvature of the nearest known posterior mode. Then it uses Gauss-Newton steps if the likelihood
+/// supports them, and BFGS otherwise (mode_search.hpp). Between two points, the path may jump over
+/// a narrow mode to which steepest ascent would lead. The mean distance between consecutive points
+/// of the path is `way / points`.
 ///
 /// The default difference steps for the gradient are suitable for a start drawn from the prior.
-/// Near a posterior mode whose width is a thousandth of the width of the prior, these steps give a
-/// wrong direction. If `fine` is true, the steps are reduced until the widths of the mode converge.
+/// Near a posterior mode whose width is a thousandth of the width of the prior, the default steps
+/// give a wrong direction of the gradient. If `fine` is true, the steps are reduced until the
+/// widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 
 /// Computes the Hessian at a posterior mode by differences with steps that lower ln π by about a
-/// twentieth of a nat. The Hessian is made positive definite, so that no direction is much wider
-/// than the prior. If the likelihood has exact derivatives, they replace second differences.
+/// twentieth of a nat. The Hessian is made positive definite, so that the normal approximation is
+/// not much wider than the prior in any direction. Exact derivatives, if the likelihood has them,
+/// replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
-/// Squared distance of z from a posterior mode, in sds of the normal approximation there.
+/// Squared distance of z from a mode, in standard deviations of its normal approximation.
 [[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
 
 }  // namespace wheeltap::inference

@@ -16,9 +16,9 @@ struct SadeOptions {
   double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
   std::vector<std::vector<double>> start = {};  ///< first members of the first population, if not
                                                 ///< empty
-  double bound = std::numeric_limits<double>::infinity();  ///< |z_i| <= bound; larger |z_i| are
-                                                           ///< reflected at the bound
-  /// The search stops if the best and the worst value of the population differ by less than
+  double bound = std::numeric_limits<double>::infinity();  ///< bound at which |z_i| is reflected
+  /// The search stops if the best and the worst value of the
+  /// population differ by less than
   /// `tolerance`.
   double tolerance = 1e-9;
 };
@@ -31,8 +31,8 @@ struct SadeOptions {
 ///
 /// with binomial crossover with z_i. The trial vector replaces z_i if its value is not lower. F ~
 /// N(0.5, 0.3²) is drawn for each trial. The crossover rate is drawn around the mean of the
-/// successful crossover rates. The two strategies are used in proportion to their success rates in
-/// the last generations.
+/// successful crossover rates. The probability of each of the two strategies is proportional to its
+/// success rate in the most recent generations.
 ///
 /// Throws std::invalid_argument for a dimension or an option out of range.
 [[nodiscard]] Optimum maximise_by_differential_evolution(const Objective& objective, int dimension,

@@ -1,4 +1,4 @@
-// Search for a much narrower posterior mode at the maximum of a known posterior mode.
+// Search for a much narrower posterior mode near the maximum of a known posterior mode.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,15 @@ namespace wheeltap::inference {
 
 /// Finds a point near a posterior mode where ln π exceeds its value at the mode by more than
 /// `kAboveSummit`. A local search ends about a tenth of a standard deviation from the maximum, so
-/// the search may miss a narrower spike near the maximum. From the posterior mode, Newton's method
-/// with differences over 3e-5 standard deviations finds the maximum of
+/// the search may miss a narrower spike near the maximum. Newton's method starts from the posterior
+/// mode and uses differences over 3e-5 standard deviations. This method finds the maxima of the two
+/// functions
 ///
-///   ln π(z),   and   ln π(z) + |z|²/2  (maximum of the likelihood, if there is one),
+///   ln π(z),   and   ln π(z) + |z|²/2  (the likelihood, if it has a maximum),
 ///
-/// to about 1e-9 standard deviations. At these two points, only spikes narrower than 1e-9 standard
-/// deviations are missed; other points are not searched. Uses at most `summit_calls(d)` likelihood
-/// evaluations.
+/// to about 1e-9 standard deviations. At these two points, the function misses only spikes narrower
+/// than 1e-9 standard deviations. The function does not search at other points. Uses at most
+/// `summit_calls(d)` likelihood evaluations.
 [[nodiscard]] std::optional<Eigen::VectorXd> above_summit(Surface& f, const KnownMode& mode);
 
 inline constexpr double kAboveSummit = 2.0;  ///< nats

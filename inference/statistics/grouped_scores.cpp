@@ -35,7 +35,7 @@ VectorXd jackknife(std::span<const GroupScore> groups, const std::vector<int>& t
 void require(std::span<const GroupScore> groups, const MatrixXd& prior_information) {
   if (groups.size() < 2)
     throw std::invalid_argument("grouped errors: " + std::to_string(groups.size()) +
-                                " groups, must be at least 2");
+                                " groups, but at least 2 are required");
   const Eigen::Index d = prior_information.rows();
   for (const GroupScore& g : groups)
     if (g.score.size() != d || g.information.rows() != d || g.information.cols() != d)

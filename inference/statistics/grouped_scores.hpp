@@ -31,30 +31,33 @@ struct GroupedErrorOptions {
   int resamples = 2000;
 };
 
-/// As the number of groups increases, the estimate tends to the point of zero expected score, even
-/// for a wrong model (Huber 1967, White 1982). The error of z* relative to this limit is estimated
-/// by the jackknife over groups, with one Newton step for each group. With P the information of the
-/// prior and A = P + Σ H_w,
+/// As the number of groups increases, the estimate z* converges to a limit, the point of zero
+/// expected score, even for a wrong model (Huber 1967, White 1982). The standard error s of z*, as
+/// an estimate of this limit, is computed by the jackknife over groups, with one Newton step for
+/// each group. With P the information of the prior and A = P + Σ H_w,
 ///
 ///   s² = (N-1)/N Σ_w δ_w²,   δ_w = -(A - H_w)⁻¹ g_w,
 ///
-/// and at least (A⁻¹)_ii. Unlike the sandwich A⁻¹ Σ g_w g_wᵀ A⁻¹ (Liang & Zeger 1986), this
-/// estimate corrects for influential groups, which shift z* towards their own estimates (Bell &
-/// McCaffrey 2002).
+/// and at least (A⁻¹)_ii. Unlike the sandwich estimate A⁻¹ Σ g_w g_wᵀ A⁻¹ (Liang & Zeger 1986),
+/// this estimate corrects for influential groups, which shift z* towards their own estimates (Bell
+/// & McCaffrey 2002).
 ///
 /// If a few influential groups dominate, the distribution of scores is skewed. If, by chance,
-/// the record contains no influential group, z* and s are both too small. The confidence
-/// interval from Student's t is then too low and too short. Quantiles are therefore computed by
-/// the bootstrap-t (Efron 1981; Hall 1988): a resample b of N groups drawn with replacement has
+/// the record contains no influential group, z* and s are both too small. The limits of the
+/// confidence interval from Student's t are then too low, and the interval is too narrow. Quantiles
+/// are therefore computed by the bootstrap-t (Efron 1981; Hall 1988). A resample b of N groups,
+/// drawn with replacement, has
 ///
-///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
+///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),
+///
+/// and its s_b follows from the formula above. The quantiles follow from
 ///
 ///   P(z∞ - z* < s x) = P((z*_b - z*) / s_b > -x).
 ///
 /// The quantiles are at least as far from z* as the quantiles of Student's t with N - 1 degrees of
-/// freedom, because few groups rarely include the most influential groups. The result is empty if A
-/// is not positive definite. Throws std::invalid_argument for fewer than two groups or different
-/// sizes.
+/// freedom, because a small number of groups rarely includes the most influential groups. The
+/// result is empty if A is not positive definite. Throws std::invalid_argument for fewer than two
+/// groups or inconsistent sizes of scores and matrices.
 [[nodiscard]] std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,
                                                        const Eigen::MatrixXd& prior_information,
                                                        const GroupedErrorOptions& options = {});

@@ -95,7 +95,7 @@ HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> grou
   }
   if (informed < 2)
     throw std::invalid_argument("hierarchical posterior: " + std::to_string(informed) +
-                                " groups with a finite sd, must be at least 2");
+                                " groups with a finite sd, but at least 2 are required");
   const double lambda = std::sqrt(informed / precision);
   const double v0 = options.centre_sd * options.centre_sd, m0 = options.centre_mean;
   const double range = std::log1p(options.largest_scatter / lambda);

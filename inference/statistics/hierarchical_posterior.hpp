@@ -49,14 +49,15 @@ struct HierarchicalOptions {
 ///
 /// (normal hierarchical model of Gelman et al. 2013, Bayesian Data Analysis, section 5.4; Sedehi,
 /// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below the
-/// error λ of a group, because the data cannot resolve a smaller τ, and proportional to 1/τ above
-/// λ. If the means of the groups differ by more than their errors explain, the credible interval of
-/// the centre is therefore the interval of Student's t with n - 1 degrees of freedom. The coverage
-/// of this interval is exact for any n. Like the uniform shrinkage prior (Daniels 1999), the prior
-/// depends on the errors and not on the means.
+/// error λ of a group, because the data cannot resolve a smaller τ. Above λ, the prior density is
+/// proportional to 1/τ. Suppose that the means of the groups differ by more than their errors
+/// explain. The credible interval of the centre is then that of Student's t with n - 1 degrees of
+/// freedom. The coverage of this interval is exact for any n. Like the uniform shrinkage prior
+/// (Daniels 1999), the prior depends on the errors and not on the means.
 ///
-/// μ is integrated in closed form for every τ, and τ by the midpoint rule in ln(λ + τ), in which
-/// its prior is flat; the integration error is 1e-6 of the widths of the distributions.
+/// μ is integrated in closed form for every τ. τ is integrated by the midpoint rule in ln(λ + τ);
+/// the prior of ln(λ + τ) is flat. The integration error is 1e-6 of the widths of the
+/// distributions.
 struct HierarchicalPosterior {
   LineMixture centre;  ///< posterior of the centre μ, the limit for infinitely many groups
   LineMixture group;   ///< prediction of θ of a further group: N(μ, τ²)
@@ -72,9 +73,9 @@ struct HierarchicalPosterior {
 [[nodiscard]] HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                                            const HierarchicalOptions& options = {});
 
-/// Ratio of the scatter of the groups' means to their standard errors, and the probability that
-/// errors alone cause a larger ratio: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the
-/// weighted mean m (Birge 1932).
+/// Ratio √(χ² / (n - 1)) of the scatter of the groups' means to their standard errors (Birge 1932),
+/// with χ² = Σ ((mean_j - m) / sd_j)² about the weighted mean m. Also gives the probability that
+/// errors alone cause a larger ratio.
 struct BirgeRatio {
   double ratio = 1.0;
   double p_value = 1.0;  ///< probability that χ² with n - 1 degrees of freedom is larger

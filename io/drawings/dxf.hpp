@@ -34,7 +34,7 @@ struct Drawing {
 /// for a drawing without outlines. Messages use `name` for the file.
 [[nodiscard]] Drawing parse_dxf(const std::string& bytes, const std::filesystem::path& name);
 
-/// Length of a unit in metres for "m", "cm", "mm", "in", "ft"; 0 for any other name.
+/// Length in metres of the unit "m", "cm", "mm", "in" or "ft"; 0 for any other name.
 [[nodiscard]] double metres(const std::string& unit);
 
 }  // namespace wheeltap::io

@@ -60,7 +60,7 @@ class NumpyHeader {
     const std::size_t from =
         colon == std::string_view::npos ? colon : text_.find_first_not_of(" ", colon + 1);
     if (from == std::string_view::npos)
-      corrupt("is damaged: its header lacks '" + std::string(key) + "'");
+      corrupt("is corrupt: its header lacks '" + std::string(key) + "'");
     return text_.substr(from);
   }
 
@@ -68,7 +68,7 @@ class NumpyHeader {
     std::string_view text = value("shape");
     const std::size_t end = text.find(')');
     if (!text.starts_with('(') || end == std::string_view::npos)
-      corrupt("is damaged: its shape is not a list");
+      corrupt("is corrupt: its shape is not a list");
     text = text.substr(1, end - 1);
     std::vector<std::size_t> out;
     while (true) {
@@ -77,7 +77,7 @@ class NumpyHeader {
       std::size_t length = 0;
       const auto [rest, error] =
           std::from_chars(text.data() + from, text.data() + text.size(), length);
-      if (error != std::errc()) corrupt("is damaged: its shape is out of range");
+      if (error != std::errc()) corrupt("is corrupt: its shape is out of range");
       out.push_back(length);
       text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
       if (out.size() > kMostDimensions)
@@ -95,7 +95,7 @@ class NumpyHeader {
           "numpy.savez(\"FILE.npz\", **{name: a[name] for name in a.dtype.names})"};
     const std::size_t end = text.find('\'', 1);
     if (!text.starts_with('\'') || end == std::string_view::npos || end < 3)
-      corrupt("is damaged: its 'descr' names no type");
+      corrupt("is corrupt: its 'descr' names no type");
     std::string_view type = text.substr(1, end - 1);
     Element out;
     const char order = type[0];

@@ -9,9 +9,9 @@ namespace wheeltap::io {
 /// Reads an array written by numpy.save (NumPy Enhancement Proposal 1): versions 1 to 3 of the
 /// format. Elements are booleans, integers, real or complex numbers in either byte order; the array
 /// is in C or Fortran order. The array's name is the file name without its extension.
-/// io/tables/array_columns.hpp describes the columns. Throws FileError: foreign if the file does
-/// not begin with the first bytes of the format; corrupt, with a remedy, for a truncated or damaged
-/// file, and for arrays of objects or of a structured type.
+/// io/tables/array_columns.hpp describes the columns. Throws FileError (foreign) if the file does
+/// not begin with the first bytes of the format. Throws FileError (corrupt), with a remedy, if the
+/// file is truncated or invalid, and for arrays of objects or of a structured type.
 [[nodiscard]] Columns parse_npy(std::string bytes, const std::filesystem::path& name,
                                 const Wanted& wanted, const ArrayLayout& stated);
 

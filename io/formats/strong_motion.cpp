@@ -241,8 +241,8 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
     }
     if (before.back() != common_points || after[0] != common_step) {
       out.others.push_back(std::string(found->second) + ", " + channel +
-                           " (of another time step or number of points: cut it into a file of its "
-                           "own)");
+                           " (time step or number of points differs: cut the channel into a "
+                           "separate file)");
       continue;
     }
     channels.push_back(channel);

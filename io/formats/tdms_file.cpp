@@ -188,13 +188,13 @@ class TdmsParser {
  private:
   template <class T>
   T take() {
-    if (end_ - at_ < sizeof(T)) corrupt("is truncated or damaged within the metadata of a segment");
+    if (end_ - at_ < sizeof(T)) corrupt("is truncated or corrupt within the metadata of a segment");
     at_ += sizeof(T);
     return value<T>(at_ - sizeof(T), big_endian_);
   }
   std::string_view text() {
     const auto length = take<std::uint32_t>();
-    if (end_ - at_ < length) corrupt("is truncated or damaged within the metadata of a segment");
+    if (end_ - at_ < length) corrupt("is truncated or corrupt within the metadata of a segment");
     at_ += length;
     return std::string_view(bytes_).substr(at_ - length, length);
   }
@@ -202,7 +202,7 @@ class TdmsParser {
   void segment() {
     end_ = bytes_.size();
     if (end_ - at_ < kLeadIn || std::string_view(bytes_).substr(at_, 4) != "TDSm")
-      corrupt("is truncated or damaged: no segment begins at byte " + std::to_string(at_));
+      corrupt("is truncated or corrupt: no segment begins at byte " + std::to_string(at_));
     const auto contents = value<std::uint32_t>(at_ + 4, false);
     big_endian_ = (contents & kBigEndian) != 0;
     auto next = value<std::uint64_t>(at_ + 12, big_endian_);
@@ -215,7 +215,7 @@ class TdmsParser {
     if (next > left)
       corrupt("is truncated: a segment has " + std::to_string(next) + " bytes, " +
               std::to_string(left) + " are there");
-    if (raw > next) corrupt("is damaged: raw data begin beyond their segment");
+    if (raw > next) corrupt("is corrupt: raw data begin beyond their segment");
     const std::uint64_t after = at_ + next, data = at_ + raw;
     end_ = data;
     if ((contents & kMetadata) != 0) metadata((contents & kNewList) != 0);
@@ -226,8 +226,8 @@ class TdmsParser {
 
   [[noreturn]] void refuse_daqmx() const {
     corrupt(
-        "holds raw data of DAQmx, whose scales are not read: write a TDMS file without the "
-        "logging of DAQmx, or export it as text (.csv or .lvm)");
+        "holds raw data of DAQmx, whose scales Wheeltap does not read: write the data to a TDMS "
+        "file without DAQmx logging, or export the data as text (.csv or .lvm)");
   }
 
   void metadata(bool new_list) {
@@ -250,10 +250,10 @@ class TdmsParser {
     if (kind == kFormatChanging || kind == kDigitalLine) refuse_daqmx();
     if (kind == kAsBefore) {
       if (!channel.layout)
-        corrupt("is damaged: a channel refers to a previous layout that does not exist");
+        corrupt("is corrupt: a channel refers to a previous layout that does not exist");
     } else {
       Layout layout{.type = take<std::uint32_t>()};
-      if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data have more than one dimension");
+      if (take<std::uint32_t>() != 1) corrupt("is corrupt: raw data have more than one dimension");
       layout.count = take<std::uint64_t>();
       const std::size_t size = size_of(layout.type);
       if (layout.type != kString && size == 0)
@@ -263,7 +263,7 @@ class TdmsParser {
       if (layout.type == kString)
         layout.bytes = take<std::uint64_t>();
       else if (layout.count > bytes_.size() / size)
-        corrupt("is damaged: " + channel.path + " declares more values than the file can hold");
+        corrupt("is corrupt: " + channel.path + " declares more values than the file can hold");
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
@@ -283,7 +283,7 @@ class TdmsParser {
     }
     const std::size_t size = size_of(type);
     if (size == 0 || end_ - at_ < size)
-      corrupt("is truncated or damaged within the property \"" + printable(in_utf8(name)) + "\"");
+      corrupt("is truncated or corrupt within the property \"" + printable(in_utf8(name)) + "\"");
     if (type != kTimeStamp) channel.numbers[name] = number(type, at_, big_endian_);
     at_ += size;
   }
@@ -293,16 +293,16 @@ class TdmsParser {
     for (const std::size_t i : active_) {
       const Layout& layout = *channels_[i].layout;
       if (layout.bytes > bytes_.size() - chunk)
-        corrupt("is damaged: a segment declares more values than the file can hold");
+        corrupt("is corrupt: a segment declares more values than the file can hold");
       chunk += layout.bytes;
       if (interleaved &&
           (layout.type == kString || layout.count != channels_[active_[0]].layout->count))
-        corrupt("is damaged: interleaved channels of different lengths");
+        corrupt("is corrupt: interleaved channels of different lengths");
     }
     if (chunk == 0 || begin == end) return;
     std::uint64_t chunks = (end - begin) / chunk;
     if (chunks * chunk != end - begin) {
-      if (closed) corrupt("is damaged: a segment ends within a row of values");
+      if (closed) corrupt("is corrupt: a segment ends within a row of values");
       cut_ = true;
     }
     const std::uint64_t row = interleaved ? chunk / channels_[active_[0]].layout->count : 0;
@@ -409,7 +409,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
         sources.push_back(nullptr);
       } else if (same->step != clock.step || same->first != clock.first) {
         out.others.push_back(shown +
-                             " (of another time step or offset than channels of its length)");
+                             " (its time step or offset differs from channels of this length)");
         continue;
       }
     }

@@ -13,7 +13,7 @@ namespace wheeltap::io {
 /// applied. If the property wf_increment gives a time step, the table has a column "time [s]" that
 /// starts at wf_start_offset. Channels of another length and channels of strings are listed in the
 /// table's `others`. Throws FileError: foreign for files of other formats; corrupt, with a remedy,
-/// for a truncated or damaged file, for a file without channels, for raw data of DAQmx, and for
+/// for a truncated or invalid file, for a file without channels, for raw data of DAQmx, and for
 /// scales of other types.
 [[nodiscard]] Columns parse_tdms(std::string bytes, const std::filesystem::path& name,
                                  const Wanted& wanted);

@@ -160,7 +160,7 @@ class Workbook {
     if (member == nullptr) corrupt("lacks its part " + printable(in_utf8(part)));
     const std::string why = read_xml(archive_.read(*member, kLargestPart), events);
     if (!why.empty())
-      corrupt("is damaged: its part " + printable(in_utf8(part)) + " is not XML: " + why);
+      corrupt("is corrupt: its part " + printable(in_utf8(part)) + " is not XML: " + why);
   }
   static void nothing(const std::string&) {}
   static void no_text(std::string_view) {}
@@ -256,9 +256,9 @@ class Workbook {
         cell.column = next_column;
         const std::string reference = attribute(a, "r");
         if (!reference.empty() && !place(reference, cell))
-          corrupt("is damaged: a cell is at '" + printable(reference) + "'");
+          corrupt("is corrupt: a cell is at '" + printable(reference) + "'");
         if (cell.row >= kMostRows || cell.column >= kMostColumns)
-          corrupt("is damaged: a cell lies outside the sheet");
+          corrupt("is corrupt: a cell lies outside the sheet");
         next_column = cell.column + 1;
         type = attribute(a, "t");
         style = whole(attribute(a, "s"), 0);
@@ -291,7 +291,7 @@ class Workbook {
     if (type == "s") {
       const std::uint32_t which = whole(value, kLargest);
       if (which >= strings_.size())
-        corrupt("is damaged: a cell has text " + printable(value) + " of " +
+        corrupt("is corrupt: a cell has text " + printable(value) + " of " +
                 std::to_string(strings_.size()));
       return cell_text(strings_[which]);
     }

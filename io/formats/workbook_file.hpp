@@ -11,10 +11,10 @@ namespace wheeltap::io {
 /// rows of the sheet (io/tables/delimited_text.hpp). Dates and times of day are recognised by their
 /// number format and become time stamps; elapsed times ([h]:mm:ss) become seconds. A cell with a
 /// formula has the value that the workbook stores for the cell. Empty columns are skipped. Other
-/// sheets are listed in the table's `others`. Throws the errors of delimited text, with the row of
-/// the sheet as line number. Throws FileError: foreign for other formats (an older .xls file, an
-/// encrypted workbook); corrupt if the file is truncated or damaged, or does not contain the
-/// sheet.
+/// sheets are listed in the table's `others`. Throws the same errors as for delimited text, with
+/// the row of the sheet as line number. Throws FileError: foreign for other formats (an older .xls
+/// file, an encrypted workbook); corrupt if the file is truncated or invalid, or does not contain
+/// the sheet.
 [[nodiscard]] Columns parse_workbook(std::string bytes, const std::filesystem::path& name,
                                      const Wanted& wanted, const TextLayout& stated);
 

@@ -59,7 +59,7 @@ void ZipArchive::corrupt(const std::string& why) const {
 /// Reads a whole number of `bytes` bytes, little endian.
 std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
   if (at > bytes_.size() || bytes_.size() - at < static_cast<std::uint64_t>(bytes))
-    corrupt("is truncated or damaged: its directory points beyond its end");
+    corrupt("is truncated or corrupt: its directory points beyond its end");
   std::uint64_t out = 0;
   for (int i = bytes; i-- > 0;)
     out = out << 8U | static_cast<unsigned char>(bytes_[at + static_cast<std::uint64_t>(i)]);
@@ -78,7 +78,7 @@ void ZipArchive::read_directory() {
   if (end >= kLocatorSize && bytes_.substr(end - kLocatorSize).starts_with(kLocator)) {
     const std::uint64_t end64 = number(end - kLocatorSize + 8, 8);
     if (end64 > bytes_.size() || !bytes_.substr(end64).starts_with(kEnd64))
-      corrupt("is damaged: its ZIP64 directory is not at the stated position");
+      corrupt("is corrupt: its ZIP64 directory is not at the stated position");
     count = number(end64 + 32, 8);
     at = number(end64 + 48, 8);
   }
@@ -87,7 +87,7 @@ void ZipArchive::read_directory() {
             " are read");
   for (std::uint64_t i = 0; i < count; ++i) {
     if (at > bytes_.size() || !bytes_.substr(at).starts_with(kEntry))
-      corrupt("is truncated or damaged: its directory lacks member " + std::to_string(i + 1));
+      corrupt("is truncated or corrupt: its directory lacks member " + std::to_string(i + 1));
     ZipMember member{.packed = number(at + 20, 4),
                      .size = number(at + 24, 4),
                      .offset = number(at + 42, 4),
@@ -140,7 +140,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
       (member.method == 0 && packed.size() != member.size))
     corrupt(shown + "declares " + std::to_string(member.size) + " bytes, more than it can hold");
   std::string out = member.method == 0 ? std::string(packed) : inflated(packed, member.size);
-  if (out.size() != member.size) corrupt(shown + "is damaged: it cannot be unpacked");
+  if (out.size() != member.size) corrupt(shown + "is corrupt: it cannot be unpacked");
 #ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION  // a fuzzer would not get past checksums
   uLong checksum = crc32(0, nullptr, 0);
   for (std::size_t done = 0; done < out.size();) {
@@ -149,7 +149,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
                      static_cast<uInt>(piece));
     done += piece;
   }
-  if (checksum != member.checksum) corrupt(shown + "is damaged: it does not match its checksum");
+  if (checksum != member.checksum) corrupt(shown + "is corrupt: it does not match its checksum");
 #endif
   return out;
 }

@@ -23,7 +23,7 @@ struct ZipMember {
 class ZipArchive {
  public:
   /// Reads the directory of members at the end of the archive, also in the ZIP64 format. Throws
-  /// FileError: foreign for other formats, corrupt for a truncated or damaged archive. Messages use
+  /// FileError: foreign for other formats, corrupt for a truncated or invalid archive. Messages use
   /// `name` for the file.
   ZipArchive(std::string_view bytes, std::filesystem::path name);
 

@@ -128,7 +128,7 @@ MatlabElements whole_matlab_elements(const std::filesystem::path& path) {
     std::string head;
     if (type == kCompressed && !inflates(file, bytes, head))
       throw FileError(FileError::Kind::corrupt, path,
-                      "is damaged: its " + which + " does not match its checksum");
+                      "is corrupt: its " + which + " does not match its checksum");
     if (type == kCompressed) {
       head.erase(0, kTag);
     } else {

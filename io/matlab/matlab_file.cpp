@@ -173,7 +173,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
                                                      Mat_Close);
   if (!file)
     throw FileError(FileError::Kind::missing, path,
-                    "cannot be read as a MATLAB file: it is missing, damaged or of another format");
+                    "cannot be read as a MATLAB file: it is missing, corrupt or of another format");
   Columns table{.file = path.string()};
   std::error_code ignored;
   const double most =
@@ -206,13 +206,13 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
       if (shape.size() == 0) return;
       if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, arrays))
         throw FileError(FileError::Kind::corrupt, path,
-                        of + " cannot be read: the file is damaged");
+                        of + " cannot be read: the file is corrupt");
     });
   }
   // libmatio silently stops at the first unreadable variable.
   if (seen < stored.count && stored.objects.empty())
     throw FileError(FileError::Kind::corrupt, path,
-                    "is damaged: of its " + std::to_string(stored.count) +
+                    "is corrupt: of its " + std::to_string(stored.count) +
                         " variables only the first " + std::to_string(seen) + " can be read");
   std::vector<ArrayShape> shapes;
   for (const Array& a : arrays) {

@@ -159,23 +159,23 @@ class MatlabMatrix {
     if (s == nullptr) fail("cannot be read");
     const std::size_t rows = v_.dims[0], columns = v_.dims[1];
     if (static_cast<std::size_t>(s->njc) != columns + 1 || s->jc == nullptr || s->jc[0] != 0)
-      fail("is damaged: its column starts do not match its size");
+      fail("is corrupt: its column starts do not match its size");
     const auto stored = static_cast<std::size_t>(s->jc[columns]);
     const auto values = numeric_values(s->data, v_.data_type, static_cast<std::size_t>(s->ndata));
     if (!values) fail("does not hold numbers");
     if (stored > values->size() || stored > static_cast<std::size_t>(s->nir))
-      fail("is damaged: it holds fewer entries than its columns have");
+      fail("is corrupt: it holds fewer entries than its columns have");
     Triplets entries;
     entries.reserve(stored);
     for (std::size_t j = 0; j < columns; ++j) {
-      if (s->jc[j + 1] < s->jc[j]) fail("is damaged: its column starts descend");
+      if (s->jc[j + 1] < s->jc[j]) fail("is corrupt: its column starts descend");
       if (static_cast<std::size_t>(s->jc[j + 1]) > stored)
-        fail("is damaged: its column starts do not match its size");
+        fail("is corrupt: its column starts do not match its size");
       for (auto k = static_cast<std::size_t>(s->jc[j]); k < static_cast<std::size_t>(s->jc[j + 1]);
            ++k) {
         const auto row = static_cast<std::size_t>(s->ir[k]);
         if (row >= rows)
-          fail("is damaged: row " + std::to_string(row + 1) + " of " + std::to_string(rows));
+          fail("is corrupt: row " + std::to_string(row + 1) + " of " + std::to_string(rows));
         add(entries, row, j, (*values)[k]);
       }
     }
@@ -191,7 +191,7 @@ class MatlabMatrix {
     if (!values || v_.class_type == MAT_C_CHAR || v_.class_type == MAT_C_CELL ||
         v_.class_type == MAT_C_STRUCT)
       fail("is not a numeric matrix");
-    if (values->size() != rows * columns) fail("is damaged: its content does not match its size");
+    if (values->size() != rows * columns) fail("is corrupt: its content does not match its size");
     Triplets entries;
     for (std::size_t j = 0; j < columns; ++j)
       for (std::size_t i = 0; i < rows; ++i) add(entries, i, j, (*values)[j * rows + i]);

@@ -14,8 +14,8 @@ namespace wheeltap::io {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Largest number of rows and of columns of a matrix. A compressed sparse matrix needs memory for
-/// each column, even for an empty column.
+/// Largest number of rows, and largest number of columns, of a matrix. A compressed sparse matrix
+/// needs memory for each column, even for an empty column.
 inline constexpr long long kMostMatrixRows = 10'000'000;
 /// Largest number of stored entries of a matrix.
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;

@@ -157,7 +157,7 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
       status != NC_NOERR && status != NC_ERANGE)
     throw FileError(
         FileError::Kind::corrupt, path,
-        "\"" + of.array.name + "\" cannot be read, truncated or damaged: " + nc_strerror(status));
+        "\"" + of.array.name + "\" cannot be read, truncated or corrupt: " + nc_strerror(status));
   for (std::size_t i = 0; of.part && i < x.size(); ++i) {
     const char* from = compounds.data() + i * of.part->size + of.part->offset;
     float single = 0.0F;
@@ -184,7 +184,7 @@ void require_whole(const std::filesystem::path& path) {
   const std::optional<std::uintmax_t> must = netcdf_classic_size(bytes);
   if (!must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is truncated, damaged or was not closed by its writer: its header is invalid");
+                    "is truncated, corrupt or was not closed by its writer: its header is invalid");
   std::error_code none;
   const std::uintmax_t is = std::filesystem::file_size(path, none);
   if (!none && is < *must)

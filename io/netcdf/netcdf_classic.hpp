@@ -7,11 +7,11 @@
 
 namespace wheeltap::io {
 
-/// Computes the number of bytes of a complete NetCDF file of a classic format (CDF-1, CDF-2 with
-/// 64-bit offsets, CDF-5) up to its last value, from the header of the file. The result is 0 for
+/// From the header of a NetCDF file of a classic format (CDF-1, CDF-2 with 64-bit offsets, CDF-5),
+/// computes the number of bytes of the complete file up to its last value. The result is 0 for
 /// other formats, and std::nullopt if the header is truncated or invalid. Without this check of the
 /// length, the NetCDF library silently reads zeros beyond the end of a truncated file, and some
-/// damaged headers cause the library to crash.
+/// corrupt headers cause the library to crash.
 ///
 /// A variable of fixed size ends at begin plus the size of its values. A variable with numrecs
 /// records ends at begin + (numrecs - 1) Σ vsize plus the size of the variable's values in one

@@ -17,8 +17,8 @@ namespace wheeltap::io {
 /// NetcdfWriter and NetcdfReader must hold the lock.
 class NetcdfLock {
  public:
-  // Turns off the error printing of HDF5 in this thread. The setting is per thread, and the NetCDF
-  // library turns off the printing only in the first thread.
+  // Turns off the error messages of HDF5 in this thread. This setting is specific to each thread,
+  // and the NetCDF library turns off the messages only in the first thread.
   NetcdfLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
  private:

@@ -7,8 +7,8 @@
 
 namespace wheeltap::io {
 
-/// Returns the reason why a string is not a valid name of a variable, or not a valid beginning of a
-/// name. The reason completes a sentence: "must begin with a letter, a digit or _". Returns
+/// Returns the reason why a string is not a valid name of a variable (or the first part of a
+/// name). The reason completes a sentence: "must begin with a letter, a digit or _". Returns
 /// std::nullopt for a valid string. The rules are those of NC_check_name (NetCDF-C,
 /// libdispatch/dstring.c), except that some of the 256 allowed bytes are reserved for prefixes and
 /// suffixes.

@@ -17,7 +17,7 @@ namespace wheeltap::io {
 struct NetcdfArray {
   std::vector<std::size_t> shape;
   std::vector<double> values;
-  /// Number of values for each combination of indices of the first `outer` dimensions.
+  /// Number of values per combination of indices of the first `outer` dimensions.
   [[nodiscard]] std::size_t inner(std::size_t outer = 2) const {
     std::size_t n = 1;
     for (std::size_t i = outer; i < shape.size(); ++i) n *= shape[i];
@@ -26,10 +26,10 @@ struct NetcdfArray {
 };
 
 /// A reader of one NetCDF-4 file. Throws FileError (missing) if the file does not exist. Throws
-/// FileError (corrupt) if the file is truncated, damaged, not a NetCDF-4 file, or stores its
-/// numbers in other files (require_own_storage). Throws FileError (foreign) if a requested group or
-/// variable does not exist. `what` names the expected file in the message of this last error: "a
-/// posterior of wheeltap".
+/// FileError (corrupt) if the file is truncated or otherwise corrupt, is not a NetCDF-4 file, or
+/// stores its numbers in other files (require_own_storage). Throws FileError (foreign) if a
+/// requested group or variable does not exist. The message of FileError (foreign) states the
+/// expected kind of file as `what`: "a posterior of wheeltap".
 class NetcdfReader {
  public:
   explicit NetcdfReader(const std::filesystem::path& path, std::string what = "the file expected")
@@ -186,7 +186,7 @@ class NetcdfReader {
   void check(int status) const {
     if (status == NC_NOERR) return;
     throw FileError(FileError::Kind::corrupt, path_,
-                    std::string("cannot be read, truncated or damaged: ") + nc_strerror(status));
+                    std::string("cannot be read, truncated or corrupt: ") + nc_strerror(status));
   }
   [[nodiscard]] static std::string attribute_of(int group, int variable, const char* attribute) {
     std::size_t length = 0;

@@ -59,7 +59,7 @@ class NetcdfWriter {
   void text(int group, int variable, const char* name, const std::string& value) const {
     check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
   }
-  // Defines a dimension and its coordinate variable `first`, `first` + 1, … (0, 1, … or 1, 2, …).
+  // Defines a dimension and its coordinate variable with the values `first`, `first` + 1, …
   [[nodiscard]] int dimension(int group, const char* name, std::size_t size, int first) const {
     int id = 0, variable = 0;
     check(nc_def_dim(group, name, size, &id));
@@ -98,7 +98,7 @@ class NetcdfWriter {
   /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
   /// numbers of row r to an empty vector. A chunk holds the values of all columns for one row and
   /// one index of each further dimension. A reader can therefore read one chunk without the others.
-  /// This function holds only one row in memory at a time.
+  /// The function needs memory for one row only.
   template <class Number, class Fill>
   int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
                const Fill& fill, nc_type type = kNetcdfType<Number>) const {

@@ -44,21 +44,21 @@ struct ChosenColumns {
   std::vector<ColumnSource> sources = {};  ///< one per column of the table
 };
 
-/// Adds to `table` the columns, without values, of all arrays that have the same channel length. If
-/// the arrays have several channel lengths, this function selects the length that most of the
-/// requested columns have. If no columns are requested, it groups the arrays by channel length and
-/// selects the length whose arrays contain the most numbers in total. A vector "a" becomes the
-/// column "a". A matrix "X" becomes the columns "X(:,1)", "X(:,2)", … or, if rows are channels,
-/// "X(1,:)", …. An array of three dimensions becomes the columns "H(1,1,:)", …. The parts "H, real"
-/// and "H, imaginary" of a complex array become "H(:,1), real" and so on. Arrays of other lengths
-/// are added to `table.others`, with the name by which a case selects the array. Single numbers are
-/// skipped.
+/// Adds the columns of all arrays with the same channel length to `table`, without values. If the
+/// arrays have several channel lengths, this function selects the most frequent length of the
+/// requested columns. If no columns are requested, this function groups the arrays by channel
+/// length and selects the length whose arrays contain the most numbers in total. A vector "a"
+/// becomes the column "a". A matrix "X" becomes the columns "X(:,1)", "X(:,2)", … or, if rows are
+/// channels, "X(1,:)", …. An array of three dimensions becomes the columns "H(1,1,:)", …. The parts
+/// "H, real" and "H, imaginary" of a complex array become "H(:,1), real" and so on. Arrays with
+/// other channel lengths are added to `table.others`, with the names by which a case can select
+/// them. Single numbers are skipped.
 [[nodiscard]] ChosenColumns choose_columns(std::span<const ArrayShape> arrays,
                                            const ArrayLayout& layout, const Wanted& wanted,
                                            Columns& table);
 
 /// Reads the values of the requested columns into `table`. `values(i)` returns the values of array
-/// i; this function calls it once for consecutive columns of the same array.
+/// i. For consecutive columns of the same array, `fill_columns` calls `values` only once.
 void fill_columns(const ChosenColumns& chosen, const Wanted& wanted,
                   const std::function<std::vector<double>(std::size_t array)>& values,
                   Columns& table);

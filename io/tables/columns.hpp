@@ -38,7 +38,7 @@ struct Columns {
   std::vector<Column> columns = {};  ///< columns of equal length; columns that were not requested
                                      ///< are empty
   std::map<std::string, double> scalars = {};
-  /// Descriptions of content that is not a column, for files of arrays: "note (text)".
+  /// For files of arrays: descriptions of content that is not a column, e.g. "note (text)".
   std::vector<std::string> others = {};
   int first_line = 0;                      ///< line of row 0; 0 for binary files
   std::vector<int> skipped = {};           ///< rows preceded by a comment, in ascending order
@@ -72,9 +72,9 @@ void carry(Parcel& parcel, Of& table) {
     for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
 }
 
-/// A function that selects the columns to read: it returns true for each column to read. The reader
-/// calls the function once per column with the headers of the table. Columns that are not selected
-/// keep their headers and have no values. An empty function selects all columns.
+/// A function that returns true for each column to read. The reader calls the function once per
+/// column with the headers of the table. Columns that are not selected keep their headers and have
+/// no values. An empty function selects all columns.
 using Wanted = std::function<bool(const Columns&, std::size_t column)>;
 
 }  // namespace wheeltap::io

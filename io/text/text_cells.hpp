@@ -1,4 +1,4 @@
-// The cells of a line of text: comments, names and units.
+// Parsing of a line of text into cells, and recognition of comments, names and units.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace wheeltap::io {
 /// "***". A line that begins with a missing value ("#N/A") is not a comment.
 [[nodiscard]] bool is_comment_line(std::string_view line);
 
-/// Removes the mark at the beginning of a comment or a line of names: a comment mark, ";", ":",
-/// "--", or an unclosed quote.
+/// Removes the mark at the beginning of a comment or a line of column names: a comment mark, ";",
+/// ":", "--", or an unclosed quote.
 [[nodiscard]] std::string_view without_comment_mark(std::string_view line);
 
 /// Removes the first cell and the separator after it from `line`, and stores the cell in `cell`.
@@ -29,8 +29,8 @@ bool take_cell(std::string_view& line, char separator, std::string_view& cell);
 [[nodiscard]] std::vector<std::string> names_in(std::string_view line, char separator,
                                                 std::size_t columns);
 
-/// Joins cells of a line that is separated by blanks: a unit in brackets is joined to the name
-/// before the unit.
+/// Joins cells of a line in which blanks separate the cells: a unit in brackets is joined to the
+/// name before the unit.
 [[nodiscard]] std::vector<std::string> joined_names(const std::vector<std::string>& cells);
 
 [[nodiscard]] bool all_digits(std::string_view text);
@@ -45,8 +45,8 @@ bool take_cell(std::string_view& line, char separator, std::string_view& cell);
 /// most rows.
 [[nodiscard]] bool is_remarks_name(std::string_view name);
 
-/// True if a string is spelled like a unit: "m/s^2", "[kN]", "(-)". This function only serves to
-/// distinguish a line of units from a line of names; signals/units.hpp interprets units.
+/// True if a string is spelled like a unit: "m/s^2", "[kN]", "(-)". Use this function only to
+/// distinguish a line of units from a line of names; signals/units.hpp parses units.
 [[nodiscard]] bool spells_unit(std::string_view text);
 
 }  // namespace wheeltap::io

@@ -335,14 +335,14 @@ class Finder {
       if (!out_.names)
         throw UnclearLayout(*stated_.header,
                             "\"header\": " + std::to_string(*stated_.header) +
-                                " names a line that is empty or not above the rows");
+                                " must be the number of a nonempty line above the rows");
     }
     if (stated_.units_row && *stated_.units_row > 0) {
       out_.units = by_number(*stated_.units_row);
       if (!out_.units)
         throw UnclearLayout(*stated_.units_row,
                             "\"units_row\": " + std::to_string(*stated_.units_row) +
-                                " names a line that is empty or not above the rows");
+                                " must be the number of a nonempty line above the rows");
     }
     while (out_.first < head_.size() &&
            (head_[out_.first].is_comment || (out_.units && out_.first <= *out_.units)))

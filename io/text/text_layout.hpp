@@ -47,7 +47,7 @@ struct FoundLayout {
 /// separator.
 [[nodiscard]] std::optional<char> parse_separator(std::string_view text);
 
-/// A line of text; an input of the layout detection.
+/// A line of text, as input of the layout detection.
 struct TextLine {
   std::string_view text;
   int number = 0;  ///< number of the line, from 1
@@ -60,8 +60,8 @@ enum class CellKind {
   text
 };
 
-/// Result of the layout detection: the rules for splitting rows into cells, and the position of the
-/// first row.
+/// Result of the layout detection: the rules for splitting rows into cells, and the first
+/// row.
 struct TableShape {
   char separator = ',';
   char decimal = '.';
@@ -75,8 +75,8 @@ struct TableShape {
   std::size_t first = 0;             ///< index of the first row among the lines
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
-  bool date_unnamed = false;   ///< the first columns are a date and a time, and the line of names
-                               ///< contains a name for the time only
+  bool date_unnamed = false;         ///< the first columns are date and time; the line of names
+                                     ///< names the time only
   bool index_unnamed = false;  ///< the first column numbers the rows and has no name in the line of
                                ///< names
 };

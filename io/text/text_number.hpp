@@ -7,7 +7,7 @@
 namespace wheeltap::io {
 
 /// The printed precision of numbers: the largest number of digits after the decimal point, and the
-/// largest number of significant digits. Both values are negative before the first number.
+/// largest number of significant digits. Both values are -1 if no number has been read.
 struct PrintedDigits {
   int decimals = -1;
   int digits = -1;
@@ -33,7 +33,7 @@ struct PrintedDigits {
 /// cells, these words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
-/// Reads the decimal number at the start of [p, end). Raises `digits` if the number has more
+/// Reads the decimal number at the start of [p, end). Increases `digits` if the number has more
 /// printed digits. Returns the end of the number. Returns null if the string does not begin with a
 /// number, or if the number is nan, inf or beyond the range of doubles.
 [[nodiscard]] const char* read_number(const char* p, const char* end, double& value,

@@ -34,10 +34,10 @@ struct Split {
 
 [[nodiscard]] Split split(std::string_view line, char separator, const Reading& reading);
 
-/// Computes a score for a separator and a decimal mark. The score is the sum of one term per line.
-/// If all cells of a line are numbers and time stamps, its term is twice the number of cells. For
-/// any other line, the term is the number of numbers and time stamps minus the number of other
-/// cells.
+/// Measures how well a separator and a decimal mark explain the lines: the sum of one term per
+/// line. If all cells of a line are numbers or time stamps, the term of the line is twice the
+/// number of cells. For any other line, the term is the count of numbers and time stamps minus the
+/// count of other cells.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);
 

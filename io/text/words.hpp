@@ -1,4 +1,4 @@
-// Words of text files: blanks around them and their case.
+// Functions for words of text files: removal of blanks, conversion to lower case.
 #pragma once
 
 #include <string>

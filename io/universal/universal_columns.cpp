@@ -139,7 +139,8 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
     if (!shares_abscissa(first, f))
       throw FileError(
           FileError::Kind::corrupt, name, {.line = f.line},
-          "this function's abscissa differs from that of the first: a table needs one abscissa");
+          "the abscissa of this function differs from that of the first function: a table needs "
+          "one common abscissa");
     const Measured over = measured(f.numerator, file.units);
     const Measured under = measured(f.denominator, file.units);
     std::string column = dof_in_words(f.response);

@@ -18,7 +18,7 @@
 namespace wheeltap::io {
 
 /// A degree of freedom of a node. The directions 1, 2, 3 are translations along +x, +y, +z; 4, 5, 6
-/// are rotations about these axes. A negative number means the opposite direction, 0 a scalar.
+/// are rotations about these axes. A negative number means the opposite direction, and 0 a scalar.
 struct UniversalDof {
   std::string entity = {};  ///< "NONE" in files is empty here
   int node = 0;
@@ -97,7 +97,7 @@ struct UniversalElement {
   std::array<int, 3> beam = {};  ///< orientation node, sections at the ends
   std::vector<int> nodes = {};
 
-  /// True if the element is a rod or beam; files then store the numbers `beam`.
+  /// True if the element is a rod or beam. Files store the numbers `beam` for rods and beams only.
   [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
 };
 
@@ -111,7 +111,8 @@ struct UniversalSystem {
   std::array<std::array<double, 3>, 4> axes = {};
 };
 
-/// Dataset 82: nodes to be joined by lines; the number 0 starts a new line.
+/// Dataset 82: trace lines between nodes. In the list of node numbers, the number 0 starts a new
+/// line.
 struct UniversalTrace {
   int number = 0;
   int colour = 0;
@@ -143,8 +144,8 @@ struct UniversalFile {
   std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number; 2414 is
-                                     ///< skipped if its values are not at nodes
+  std::map<int, int> left_out = {};  ///< number of skipped datasets, by dataset number, including
+                                     ///< 2414 without nodal values
 
   /// The file's unit of length in metres.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }
@@ -167,8 +168,8 @@ struct UniversalFile {
 /// Converts the functions of a file to a table. All functions must have the same abscissa. The
 /// first column is the abscissa. Each real function becomes one column, and each complex function
 /// two columns (", real" and ", imaginary"). If the axis names no unit, but dataset 164 and the
-/// powers of the axis give the unit, values are converted to SI. Throws FileError (corrupt) if the
-/// file contains no function, or if the abscissae differ.
+/// powers of the axis determine the unit, values are converted to SI units. Throws FileError
+/// (corrupt) if the file contains no function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 

@@ -95,7 +95,7 @@ class Reader {
       number_ += bytes_[at_] == '\n';
       ++at_;
     }
-    // This also skips the blanks that precede "-1" on its line.
+    // The loop also skips the blanks that precede "-1" on its line.
   }
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
 

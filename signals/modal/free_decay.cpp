@@ -335,7 +335,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const double most = 0.45 * options.sample_rate_hz;
   if (!(out.highest_hz > 0.0)) out.highest_hz = most;
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
-    refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
+    refuse("lowest frequency", out.lowest_hz, "must be at least 0 and below the highest");
   out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
   out.decimated =
       std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));

@@ -10,9 +10,9 @@
 // response and the correlation function of the window. The method divides c by the correlation
 // function of the window. Without this correction, the spectral width of the window would increase
 // the estimated damping ratio. The method assumes lightly damped, well separated modes. If two
-// modes share spectral lines, the method misses one of the modes or distorts the estimates of both.
-// The truncation of a mode's spectrum to the spectral lines with this singular vector biases the
-// damping ratio.
+// modes occupy the same spectral lines, the method misses one mode or distorts both estimates. The
+// damping ratio is biased, because a mode's spectrum is truncated to the spectral lines with its
+// singular vector.
 #pragma once
 
 #include "signals/modal/modal_identification.hpp"
@@ -32,7 +32,7 @@ struct DecompositionOptions {
 /// `records` has one channel per row. Modes are peaks of the first singular value that satisfy two
 /// conditions. First, the prominence of the peak is at least 3 dB and at least 10 log₁₀((1 + ε) /
 /// (1 - ε)) dB, where ε = 3/√n (at most 0.9) is three relative standard deviations of a spectrum
-/// with n averages. Second, several spectral lines have nearly the peak's singular vector.
+/// with n averages. Second, the singular vectors at several lines nearly equal that of the peak.
 ///
 /// With fdd, natural frequencies are the frequencies of spectral lines, damping ratios are NaN, and
 /// the covariances are empty. With efdd, covariances are estimated by the jackknife over blocks,

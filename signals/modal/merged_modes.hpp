@@ -2,16 +2,15 @@
 //
 // The modes of each set-up are identified separately, and then merged (PoSER: Reynders, Magalhães,
 // De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech. Syst. Signal
-// Process. 36:562). The records of the set-ups need neither the same start nor the same excitation.
+// Process. 36:562). The records of the set-ups may have different start times and excitations.
 // Merged frequencies and damping ratios are weighted means x̄ = Σ w_s x_s / Σ w_s over the set-ups
 // s, with w_s = 1/(v_s + τ²). v_s is the variance of the estimate of set-up s, and τ² is the
-// additional variance between set-ups (DerSimonian & Laird 1986). The shape of each set-up s has an
-// unknown factor a_s. With the entries r_s of this shape at the references, and the mean r of all
-// r_s,
+// additional variance between set-ups (DerSimonian & Laird 1986). The shape of each set-up s is
+// known only up to a factor a_s. Let r_s be the entries of this shape at the references, r the mean
+// of all r_s, and u_s the inverse variance of r_s. Then
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
-// where u_s is the inverse variance of r_s. The set-ups are statistically independent. The set-ups'
-// covariances and the derivatives of the merged results (for shapes, central differences) give the
-// covariances of the merged results.
+// The set-ups are statistically independent. The covariances of the merged results follow from the
+// set-ups' covariances and the derivatives of the merged results (for shapes, central differences).
 #pragma once
 
 #include <vector>
@@ -60,12 +59,13 @@ struct MergedModes {
   std::vector<int> references = {};    ///< sensors that occur in every set-up
 };
 
-/// Merges the modes of several set-ups. Modes of two set-ups match if their frequencies differ by
-/// less than 2 % or five standard deviations, and their mean distance |Δf|/f + 1 - MAC at the
-/// references is at most 0.15 (average_linkage). If a mode is not identified in some set-ups, the
-/// merged shape has no entries (NaN) at the sensors that only these set-ups have. `sensors` is the
-/// total number of sensors. Throws std::invalid_argument for an empty list of set-ups, set-ups
-/// without a common sensor, and a sensor number that is out of range or occurs twice in one set-up.
+/// Merges the modes of several set-ups. Modes of two set-ups match under two conditions. Their
+/// frequencies differ by less than 2 % or five standard deviations. The mean distance |Δf|/f + 1 -
+/// MAC at the references is at most 0.15 (average_linkage). If a mode is not identified in some
+/// set-ups, the merged shape has no entries (NaN) at the sensors that only these set-ups have.
+/// `sensors` is the total number of sensors. Throws std::invalid_argument for an empty list of
+/// set-ups, set-ups without a common sensor, and a sensor number that is out of range or occurs
+/// twice in one set-up.
 [[nodiscard]] MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors);
 
 }  // namespace wheeltap::signals

@@ -115,7 +115,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   if (rank < 2 || rank > std::min(height, width))
     throw std::invalid_argument("rank = " + std::to_string(rank) + ": must be from 2 to " +
                                 std::to_string(std::min(height, width)) +
-                                ", the rank of the references' covariances");
+                                ", the largest rank of the references' covariances");
   MatrixXd all(height, width * static_cast<Index>(pieces.size()));
   for (std::size_t s = 0; s < pieces.size(); ++s)
     all.middleCols(static_cast<Index>(s) * width, width) = pieces[s].reference;

@@ -41,7 +41,8 @@ void refuse_copies(const MatrixXd& y) {
       if (std::abs(product(a, b)) > kAlike * std::sqrt(product(a, a) * product(b, b)) &&
           product(a, a) > 0.0 && product(b, b) > 0.0)
         throw ChannelError(
-            a, "equals channel " + std::to_string(b) + " except for its scale: leave one out", b);
+            a, "equals channel " + std::to_string(b) + " except for its scale: omit one of the two",
+            b);
 }
 
 MatrixXd decimated(const Eigen::Ref<const MatrixXd>& records, int factor, int threads) {
@@ -226,7 +227,7 @@ MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sampl
   const double most = 0.45 * sample_rate_hz;
   if (!(out.highest_hz > 0.0)) out.highest_hz = most;
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
-    refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
+    refuse("lowest frequency", out.lowest_hz, "must be at least 0 and below the highest");
   if (out.lowest_hz >= 0.5 * sample_rate_hz)
     refuse("lowest frequency", out.lowest_hz, "must be below half the sampling rate");
   if (out.highest_hz > most) {

@@ -26,30 +26,30 @@ struct ModalOptions {
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< identified in less than half of the model orders, counted from the first
+  few_orders,       ///< identified in fewer than half of the model orders from the first model
                     ///< order with the mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
-  tone,             ///< very low damping ratio and constant amplitude: perhaps a harmonic of a
-                    ///< machine
-  /// Either another mode has the same shape and a frequency within the standard deviations, or
-  /// another mode with the same shape is within the half-power bandwidths and has a smaller
-  /// uncertainty.
+  tone,             ///< very low damping ratio and constant amplitude: perhaps a machine harmonic
+  /// A second mode has the same shape. Either both frequencies
+  /// are equal within the standard deviations, or the second
+  /// mode lies within the half-power bandwidths and has a
+  /// smaller uncertainty than this mode.
   twin,
   at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
 };
 
-/// Smallest modal phase collinearity of a mode shape that is not doubtful.
+/// Modal phase collinearity below which a mode shape is doubtful.
 inline constexpr double kCollinear = 0.8;
 
 struct Mode {
   Pole pole = {};
-  double collinearity = 0.0;     ///< modal phase collinearity
-  double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< number of model orders with this mode; number of all model
-                                 ///< orders, counted from the first with this mode
-  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
-                                    ///< a sine, 2 for noise
+  double collinearity = 0.0;        ///< modal phase collinearity
+  double phase_deviation = 0.0;     ///< mean phase deviation [rad]
+  int present = 0, orders = 0;      ///< number of model orders with this mode; number of all orders
+                                    ///< from the first one
+  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency:
+                                    ///< 1: sine, 2: noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
   std::vector<ModeDoubt> doubts = {};
 };
@@ -65,7 +65,7 @@ enum class ModalMethod {
                   ///< (identification/modal/bayesian_modes.hpp)
 };
 
-/// Warnings about the identification as a whole.
+/// Warnings about the whole identification.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
   int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
@@ -107,10 +107,11 @@ struct ModalResult {
 /// to a sampling rate that suffices for the band, and identifies the modes twice. In the first
 /// identification, the lags cover one period of the lowest frequency of the band. In the second
 /// identification, the lags cover one period of the lowest mode, because more lags increase the
-/// variance of the estimates. Poles chosen by the user replace the modes of the last diagram; they
-/// do not change the diagram. Throws ChosenPoleError, ChannelError (signals/refuse.hpp) for
-/// channels that are constant, proportional to another channel or not finite, and
-/// std::invalid_argument for an invalid band and for records too short for any order.
+/// variance of the estimates. Poles chosen by the user replace the modes selected from the last
+/// diagram, but do not change the diagram. Throws ChosenPoleError. Throws ChannelError
+/// (signals/refuse.hpp) for channels that are constant, proportional to another channel or not
+/// finite. Throws std::invalid_argument for an invalid band and for records too short for any model
+/// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 
@@ -124,12 +125,12 @@ struct ModalResult {
                                            const std::vector<std::vector<int>>& references,
                                            int count, const ModalOptions& options);
 
-/// Checks and completes the band in `out`, and returns the records, decimated to suit this band.
-/// Throws std::invalid_argument like identify_modes. Public for the implementations of the methods.
+/// Checks and completes the band in `out`, and returns the records decimated for this band. Throws
+/// std::invalid_argument like identify_modes. Public for the implementations of the methods.
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
 
-/// Sets the reasons for doubt of each mode. Public for the implementations of the methods.
+/// Sets the member `doubts` of each mode. Public for the implementations of the methods.
 void doubt_modes(ModalResult& result);
 
 /// Computes the kurtosis E|z|⁴ / (E|z|²)² of the complex amplitude z of a signal near a frequency.

@@ -22,8 +22,8 @@ struct ModalModel {
   std::vector<std::complex<double>> eigenvalues = {};  ///< λ_r [rad/s], Im λ > 0
   Eigen::MatrixXcd participation = {};                 ///< inputs × modes
   Eigen::MatrixXcd shapes = {};                        ///< outputs × modes
-  std::vector<Eigen::MatrixXcd> fitted = {};           ///< fitted frequency response functions per
-                                                       ///< spectral line, outputs × inputs
+  std::vector<Eigen::MatrixXcd> fitted = {};           ///< fitted responses at each spectral line,
+                                                       ///< outputs × inputs
   double squares = 0.0;  ///< Σ |H - fitted|² over all entries and lines
   /// Leverage of each spectral line: the mean of the diagonal of the hat matrix. Only `refine` sets
   /// the leverage. For noise of variance σ², the residuals have the variance σ² (1 - leverage).

@@ -26,8 +26,8 @@ struct OutputCovariances {
   std::vector<int> references;  ///< reference channels, in the given order
   Eigen::VectorXd scale;        ///< standard deviation of each channel [unit of the channel]
   Eigen::VectorXd zero_lag;     ///< variance of each scaled channel over the samples used, about 1
-  std::vector<Eigen::MatrixXd> blocks;  ///< one matrix per block, (lags · channels) × references:
-                                        ///< R_1, R_2, … as block rows
+  std::vector<Eigen::MatrixXd> blocks;  ///< one matrix per block, (lags · channels) × references;
+                                        ///< block rows R_1, …
   Eigen::MatrixXd mean;                 ///< mean of the matrices of the blocks
 
   [[nodiscard]] int channels() const { return static_cast<int>(scale.size()); }

@@ -7,9 +7,9 @@
 // band to nine tenths of the unit circle. The fit minimises the sum of squares of B(Ω_k) - H(ω_k)
 // A(Ω_k) with A_n = I, and eliminates B for each output separately (Guillaume et al. 2003, IMAC 21;
 // Peeters, Van der Auweraer, Guillaume & Leuridan 2004, Shock Vib. 11:395). With A_n = I, the poles
-// that fit only noise lie inside the unit circle of Ω. These poles are unstable, so their negative
-// damping ratios identify them. The poles λ_r = iω₁ - ln Ω_r / T follow from det A(Ω_r) = 0, and
-// the participation vectors from l_rᵀ A(Ω_r) = 0. fit_shapes computes the mode shapes.
+// that fit only noise lie inside the unit circle of Ω. These poles are unstable and therefore have
+// negative damping ratios. The poles λ_r = iω₁ - ln Ω_r / T follow from det A(Ω_r) = 0, and the
+// participation vectors from l_rᵀ A(Ω_r) = 0. fit_shapes computes the mode shapes.
 //
 // Noise biases the linear least-squares fit. The modes of the stabilisation diagram are therefore
 // refined together by nonlinear least squares (modal_model.hpp).
@@ -19,7 +19,7 @@
 // Stat. 14:1261, with the residuals of MacKinnon & White 1985). The complex normal random number w
 // has unit variance and is the same for all entries of a spectral line. Errors that are common to
 // several outputs therefore remain common. At resonances with few spectral lines, the residuals are
-// smaller than the noise; the leverage corrects for this difference.
+// smaller than the noise. The factor 1 / √(1 - leverage) corrects for this difference.
 #pragma once
 
 #include <cstdint>
@@ -45,15 +45,15 @@ struct PolyreferenceFit {
 };
 
 /// Computes the poles for the polynomial order n. The result contains only poles within the
-/// frequency band of the spectral lines and with a damping ratio above 0 or slightly below 0.
+/// frequency band of the spectral lines. Their damping ratios are positive or slightly negative.
 /// Throws std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
-/// Identifies modes from frequency response functions. This function selects the modes from a
-/// stabilisation diagram of model orders 2, 4, …, like the function of the same name for output
-/// records. The bootstrap gives the covariance of all modes. Throws the exceptions of
-/// polyreference, and std::invalid_argument for a band without spectral lines, frequency response
-/// functions that are not finite or all zero, and invalid coherence.
+/// Identifies modes from frequency response functions. Like identify_modes for output records, this
+/// function selects the modes from a stabilisation diagram of model orders 2, 4, …. The bootstrap
+/// gives the covariance of all modes. Throws the exceptions of polyreference, and
+/// std::invalid_argument for a band without spectral lines, frequency response functions that are
+/// not finite or all zero, and invalid coherence.
 [[nodiscard]] ModalResult identify_modes(const FrequencyResponses& responses,
                                          const PolyreferenceOptions& options);
 

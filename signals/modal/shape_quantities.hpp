@@ -1,9 +1,9 @@
 // Conversion of mode shapes from sensors of different quantities to one quantity.
 //
 // In a mode with the eigenvalue λ = ω (-ζ + i √(1 - ζ²)), the displacement is φ exp(λt), the
-// velocity λ φ exp(λt) and the acceleration λ² φ exp(λt). If a channel measures a lower derivative
-// than the requested one, its entry is therefore multiplied by λ for each missing time derivative
-// (by iω if the damping ratio is unknown).
+// velocity λ φ exp(λt) and the acceleration λ² φ exp(λt). Conversion to a higher time derivative
+// therefore multiplies the entry of a channel by λ for each derivative. If the damping ratio is
+// unknown, iω replaces λ.
 #pragma once
 
 #include <span>

@@ -261,7 +261,7 @@ void choose_poles(Stabilisation& of, std::span<const ChosenPole> chosen) {
     if (const auto twice = std::ranges::find(taken, p); twice != taken.end())
       throw ChosenPoleError(i, "is the same pole as number " +
                                    std::to_string(twice - taken.begin() + 1) +
-                                   " of the list: leave one out");
+                                   " of the list: omit one of the two");
     taken.push_back(p);
     const auto own = std::ranges::find_if(free, [p](const ModeCluster& c) {
       return std::ranges::find(c.members, p) != c.members.end();

@@ -3,7 +3,7 @@
 // Hard criteria keep poles with plausible damping and a sufficiently small standard deviation of
 // frequency. The soft criterion is a distance between poles, d = |Δf| / max f + 1 - MAC (Magalhães,
 // Cunha & Caetano 2009, MSSP 23:1431). Average linkage joins poles with a distance below a
-// threshold to clusters with at most one pole of each model order. The threshold follows from the
+// threshold into clusters with at most one pole of each model order. The threshold follows from the
 // distances d between each pole and the nearest pole of the previous model order. A least-squares
 // fit divides these poles into two classes by log d; the threshold is taken from the class of
 // stable poles (Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
@@ -34,8 +34,8 @@ struct StabilisationOptions {
 /// Poles of several model orders that belong to one mode.
 struct ModeCluster {
   std::vector<int> members = {};  ///< indices in Stabilisation::poles, by order
-  int orders = 0;                 ///< number of model orders from the first model order with this
-                                  ///< mode to the last computed model order
+  int orders = 0;                 ///< number of model orders from the first one with this mode
+                                  ///< to the last one
   int chosen = -1;                ///< index of the chosen member, see `stabilise`
   [[nodiscard]] double share() const {
     return orders > 0 ? static_cast<double>(members.size()) / orders : 0.0;
@@ -73,27 +73,28 @@ struct Stabilisation {
 /// their frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least the fraction
-/// `least_share` of the model orders, counted from the first with this cluster. A cluster is
-/// rejected as a splinter if a second cluster has the same frequency (within three standard
-/// deviations) and shape, more poles and less than half the uncertainty.
+/// `least_share` of the model orders from its first model order on. A cluster is rejected as a
+/// splinter if a second cluster has the same frequency (within three standard deviations) and
+/// shape, more poles and less than half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
 /// most 1.1 times a limit. The limit is the smaller of two values: the 10 % quantile of the
 /// cluster's uncertainties, and 1.25 times the smallest uncertainty. Among the candidates in the
 /// upper half of the candidates' model orders, the pole with the median frequency is chosen. This
-/// rule avoids model orders that are too high, whose poles are less accurate, and low model orders
-/// that may not resolve neighbouring modes. The choice among the candidates does not depend on
-/// their uncertainty.
+/// rule avoids model orders that are too high, because their poles are less accurate. The rule also
+/// avoids low model orders, which may not resolve neighbouring modes. The choice among the
+/// candidates does not depend on their uncertainties.
 ///
 /// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
-/// therefore a candidate only if its model order contains all steady modes (in at least half of
-/// their orders), also outside the band, and all modes whose resonance peaks overlap that of its
-/// mode. If no pole of these model orders is as certain as the best pole of the cluster, the best
-/// poles of these model orders are the candidates. If these model orders have fewer than three
-/// poles, or if their best pole has more than twice the smallest uncertainty, poles of every model
-/// order can be candidates. Poles without standard deviations (NaN) require largest_relative_sd =
-/// ∞; then the pole with the median frequency of all poles represents the cluster.
+/// therefore a candidate only if its model order resolves all steady modes, also outside the band,
+/// and all modes with overlapping resonance peaks. A mode is steady if it occurs in at least half
+/// of the model orders from its first one on. If no pole of the model orders that resolve these
+/// modes meets the limit, the best poles of these orders are the candidates. Poles of every model
+/// order can be candidates if these orders have fewer than three poles, or if the best pole of
+/// these orders has more than twice the smallest uncertainty. Poles without standard deviations
+/// (NaN) require largest_relative_sd = ∞; then the pole with the median frequency of all poles
+/// represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
@@ -122,17 +123,17 @@ struct ChosenPoleError : std::invalid_argument {
 /// on the processor.
 inline constexpr double kChosenWithin = 0.005;
 
-/// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
-/// representative; a pole without a cluster becomes a mode by itself. Clusters without a chosen
-/// pole are rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does
-/// not contain, and for a pole chosen twice.
+/// Replaces the modes by the chosen poles. Each chosen pole represents its cluster, and the cluster
+/// becomes a mode. A chosen pole without a cluster becomes a mode by itself. Clusters without a
+/// chosen pole are rejected. Throws ChosenPoleError for a model order or a frequency that the
+/// diagram does not contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d = |Δf| / max f + 1 - MAC of two poles.
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
 
 /// Divides the values `sorted` into two classes by least squares. Returns the index of the smallest
-/// value of the upper class. Requires at least two values. Public for its test.
+/// value in the upper class. Requires at least two values. Public for its test.
 [[nodiscard]] std::size_t two_classes(const std::vector<double>& sorted);
 
 }  // namespace wheeltap::signals

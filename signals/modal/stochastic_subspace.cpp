@@ -225,7 +225,7 @@ MovedPoles StochasticSubspace::moved_poles(int order, const std::vector<int>& pl
   std::vector<VectorXcd> raw;
   std::vector<Index> largest;
   for (const int place : places) {
-    if (place < 0 || place >= order) refuse("place", place, "must be an eigenvalue of the order");
+    if (place < 0 || place >= order) refuse("index", place, "must be less than the model order");
     out.poles.push_back(pole(model, place));
     out.shape_moves.emplace_back(2 * channels_, blocks_);
     raw.emplace_back(scale_.asDiagonal() *

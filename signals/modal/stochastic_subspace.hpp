@@ -46,8 +46,8 @@ struct Pole {
   double damping_sd = 0.0;
 };
 
-/// Poles of one model order, with the change of each result that each data block causes. The
-/// covariance of the results is moves · movesᵀ.
+/// Poles of one model order, and the change of each result that each data block causes (`…_moves`).
+/// If M is the matrix of these changes (results × blocks), the covariance of the results is M Mᵀ.
 struct MovedPoles {
   std::vector<Pole> poles;
   Eigen::MatrixXd frequency_moves;  ///< poles × blocks [Hz]
@@ -91,7 +91,8 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles with the indices `places`, with the changes that each data block causes.
+  /// Returns the poles with the indices `places`, and the change of each pole that each data block
+  /// causes.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:
@@ -117,8 +118,8 @@ class StochasticSubspace {
 
 /// Computes the modal phase collinearity (Juang & Pappa 1985), ((λ₁ - λ₂) / (λ₁ + λ₂))², with the
 /// eigenvalues λ₁, λ₂ of the covariance of real and imaginary parts about zero. The collinearity is
-/// 1 if the entries of the shape lie on a line through 0 in the complex plane, and 0 if they have
-/// no preferred direction.
+/// 1 if the entries of the shape lie on a line through 0 in the complex plane, and 0 if the entries
+/// have no preferred direction.
 [[nodiscard]] double phase_collinearity(const Eigen::Ref<const Eigen::VectorXcd>& shape);
 
 /// Computes the mean phase deviation [rad] of a mode shape (Reynders 2012, section 3.1). This

@@ -150,12 +150,12 @@ TEST_F(CheckpointParts, WithoutThemOrWithOthersARunIsRefused) {
   };
   for (const std::size_t n : {std::size_t{0}, std::size_t{7}, whole.size() / 2, whole.size() - 1}) {
     write("checkpoint-1.nc", whole.substr(0, n));
-    refused("truncated or damaged");
+    refused("truncated or corrupt");
   }
   std::string changed = whole;
   changed[whole.size() / 2] = static_cast<char>(changed[whole.size() / 2] ^ 1);
   write("checkpoint-1.nc", changed);
-  refused("truncated or damaged");
+  refused("truncated or corrupt");
   write("checkpoint-1.nc", test::bytes_of(directory_ / "checkpoint-0.nc"));
   refused("of another checkpoint");
   fs::remove(part);

@@ -118,7 +118,7 @@ TEST(DiscoverCase, FaultsAreRefusedWhereTheyStand) {
   EXPECT_THAT(refusal(c), AllOf(HasSubstr("/models"), HasSubstr("one model")));
   c = discovery({"cubic"});
   c["models"][0]["links"][0]["cubic"] = 3.0;
-  EXPECT_THAT(refusal(c), HasSubstr("has this law already"));
+  EXPECT_THAT(refusal(c), HasSubstr("already has this force law"));
   c = discovery({"cubic"});
   c["discover"]["links"] = {{0, 2}};
   EXPECT_THAT(refusal(c), HasSubstr("/discover/links/0"));

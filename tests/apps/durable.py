@@ -297,7 +297,7 @@ def check_resume_refuses_a_truncated_posterior(bench):
     (out / 'posterior.nc').write_bytes(whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:])
     for command in (damage(bench, out, '--resume'), ['report', out]):
         _, _, err = bench.run(*command, code=65)
-        expect('damaged' in err or 'another run' in err, err)
+        expect('corrupt' in err or 'another run' in err, err)
 
 
 def check_resume_refuses_the_posterior_of_another_run(bench):

@@ -250,7 +250,7 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
   refused(c, "/record/channels/1");
   c = a_case();
   c["record"]["channels"][1]["column"] = "a";
-  refused(c, "leave one out");
+  refused(c, "omit one of the two");
   c = a_case();
   c["record"]["channels"][0]["role"] = "force";
   refused(c, "/record/channels/0/role");

@@ -128,7 +128,7 @@ TEST_F(MonitoredStructure, NamesWhatIsWrong) {
   expect_refused(c, "/beam/length");
   c = a_case();
   c.erase("beam");
-  expect_refused(c, "needs the structure that is monitored");
+  expect_refused(c, "needs the monitored structure");
 }
 
 }  // namespace

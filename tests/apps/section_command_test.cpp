@@ -207,7 +207,7 @@ TEST(SectionCommand, BadOutlinesSayWhere) {
   parts["regions"] = {{{"outline", {{5, 0}, {6, 0}, {6, 1}}}}};
   refused(of_section(parts), "/section", "2 unconnected parts");
   parts["regions"][0]["young"] = 1e9;
-  refused(of_section(parts), "/section/regions/0/young", "needs the reference value");
+  refused(of_section(parts), "/section/regions/0/young", "needs a reference value");
   refused({{"section", polygon(square)}}, "/poisson", "is missing");
   refused(of_section(polygon(square), 0.6), "/poisson", "0.5");
   refused(of_section({{"shape", "polygon"}}), "/section/outline", "is missing");

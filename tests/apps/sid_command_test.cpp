@@ -75,11 +75,11 @@ TEST(SidCommand, RepeatsARunWhoseStepsWereTooLong) {
   const json s = run("automatic");
   EXPECT_LT(s["integration"]["error_of_steps"]["duffing"].get<double>(), 0.3);
   EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("repeated with Taylor series"));
-  EXPECT_THAT(s["diagnostics"]["warnings"].dump(), Not(HasSubstr("steps a quarter")));
+  EXPECT_THAT(s["diagnostics"]["warnings"].dump(), Not(HasSubstr("a quarter of the time step")));
   c["integration"] = {{"method", "runge-kutta"}};
   const json fixed = run("fixed");
   EXPECT_GT(fixed["integration"]["error_of_steps"]["duffing"].get<double>(), 0.3);
-  EXPECT_THAT(fixed["diagnostics"]["warnings"].dump(), HasSubstr("steps a quarter"));
+  EXPECT_THAT(fixed["diagnostics"]["warnings"].dump(), HasSubstr("a quarter of the time step"));
   EXPECT_GT(s["best_draw"]["duffing"]["k3"].get<double>(), 0.0);
 }
 

@@ -159,7 +159,7 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
       "posterior modes with a basin of attraction below 2.3 % of the prior probability may have "
       "been missed. This limit increases as 1 / width for posterior modes narrower than 0.3 "
       "standard deviations of the prior; posterior modes narrower than 0.007 standard deviations "
-      "may have been missed in any case");
+      "may have been missed, whatever their basin");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {

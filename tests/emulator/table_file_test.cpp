@@ -10,7 +10,7 @@
 
 #include "tests/emulator/temporary_directory.hpp"
 
-// NetCDF and HDF5 leak memory when they fail to open a damaged file.
+// NetCDF and HDF5 leak memory when they fail to open a corrupt file.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libnetcdf\nleak:libhdf5\n";
 }

@@ -3,7 +3,7 @@
 
 usage: faults.py TARGET REPLAY FOLDER
 
-TARGET reads in its own process, so a damaged file that crashes libmatio, HDF5 or NetCDF ends it; the
+TARGET reads in its own process, so a corrupt file that crashes libmatio, HDF5 or NetCDF ends it; the
 program reads such files in a child (io/read_apart.hpp) and must live. Prints where the inputs in FOLDER
 end the target, and how many each. Exits with 1 where that is a line of this project, or where REPLAY,
 the same target in a build without the fuzzer, does not live through an input within 20 s.

@@ -74,9 +74,9 @@ TEST(CheckPrior, NamesEachFault) {
   EXPECT_EQ(fault({.mass = 2.0}), "the density integrates to 2: it must be normalised");
   EXPECT_NE(fault({.stretch = 1.5}).find("times the derivative of the distribution function"),
             std::string::npos);
-  EXPECT_NE(fault({.shift = 0.01}).find("the distribution function of this x gives z = "),
+  EXPECT_NE(fault({.shift = 0.01}).find("the distribution function at this x gives z = "),
             std::string::npos);
-  EXPECT_NE(fault({.turned = true}).find("the distribution function of this x gives z = "),
+  EXPECT_NE(fault({.turned = true}).find("the distribution function at this x gives z = "),
             std::string::npos);
   EXPECT_NE(fault({.undefined = true}).find("not a number"), std::string::npos);
 }
@@ -211,7 +211,7 @@ TEST(CheckMove, FindsAMissingReverseMove) {
 
 TEST(CheckMove, ReportsMovesThatItCannotTest) {
   EXPECT_EQ(checked_move<Never>(false).words,
-            "the move proposed nothing from any draw of the prior");
+            "the move made no proposal from any draw of the prior");
   EXPECT_NE(checked_move<Never>(true).words.find("could not be tested"), std::string::npos);
   EXPECT_THROW(
       (void)check_move(problem(), [] { return std::make_unique<Rightwards>(); }, {.draws = 10}),

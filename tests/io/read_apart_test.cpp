@@ -87,7 +87,7 @@ TEST(ReadApart, ReportsACrashAsADamagedFile) {
   EXPECT_THAT(refusal_apart([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
 }
 
-// Ctrl-C reaches the whole process group; it does not mean a damaged file.
+// Ctrl-C reaches the whole process group; it does not mean a corrupt file.
 TEST(ReadApart, DoesNotBlameTheFileForSignals) {
   EXPECT_EQ(read_apart("a.mat",
                        [] {

@@ -179,7 +179,7 @@ TEST(MatlabMatrix, RejectsDamagedIndices) {
   put_sparse(file, "start", {.rows = {0, 1}, .starts = {0, 3, 2}, .values = {1, 2}}, 2);
   Mat_Close(file);
   expect_refused([&] { (void)read_sparse_matrix(path, "row"); }, "row 4 of 2");
-  expect_refused([&] { (void)read_sparse_matrix(path, "start"); }, "is damaged");
+  expect_refused([&] { (void)read_sparse_matrix(path, "start"); }, "is corrupt");
 }
 
 TEST(MatlabMatrix, RejectsComplexMatrices) {

@@ -322,7 +322,7 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
         break;
       case Kind::sd_not_positive:
         out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
-                        "has no value in a row with a feature value: leave both cells empty");
+                        "is missing in a row with a feature value: fill or empty both cells");
       default:
         break;  // times and training period were checked before
     }

@@ -24,7 +24,7 @@ struct TimeAxis {
   bool has_zone = false;  ///< true if dates state their offset from UTC
   /// Converts a time in hours to the format of the case: a number, or a string for dates.
   [[nodiscard]] Report written(double hours) const;
-  /// The same time as text, for tables and messages.
+  /// A time in hours as text in this format, for tables and messages.
   [[nodiscard]] std::string text(double hours) const;
 };
 
@@ -32,8 +32,8 @@ struct TimeAxis {
 struct TrackedTests {
   std::vector<std::string> names = {};  ///< file of each test (row)
   std::vector<identification::monitoring::TrackedMode> modes = {};
-  /// n x K (tests x tracked modes): probability of the assignment or, for a missing mode, of its
-  /// absence.
+  /// n x K (tests x tracked modes): the probability that the mode is assigned correctly or, if the
+  /// mode is missing from the test, the probability that it is absent.
   Eigen::MatrixXd probability = {};
   std::vector<std::uint64_t> checksums = {};  ///< checksums of the files' contents
 };
@@ -62,8 +62,8 @@ struct MonitorCaseFile {
 /// /series/modes or /series/records/files.
 [[nodiscard]] Pointer source_of(const CaseFile& file);
 
-/// A text that changes if a file of the series is added or written. The text is empty if the case
-/// cannot be read.
+/// Returns a text with the path, size and modification time of each file of the series. The text
+/// changes if a file is added or written. The text is empty if the case cannot be read.
 [[nodiscard]] std::string files_now(const CaseFile& file);
 
 }  // namespace wheeltap::apps

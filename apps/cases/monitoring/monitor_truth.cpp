@@ -179,7 +179,7 @@ class TimeWriter {
     const Pointer where = kTruth / "start";
     if (file.json.contains(where)) {
       if (file.json.at("series").contains("time_unit"))
-        file.refuse(where, "times are then dates: remove \"time_unit\" from /series");
+        file.refuse(where, "with this key, times are dates: remove \"time_unit\" from /series");
       const auto stamp = io::read_stamp(file.json.at(where).get<std::string>()).stamp;
       if (!stamp || !stamp->has_date)
         file.refuse(where, "must be an ISO 8601 date, for example \"2026-01-01T00:00Z\"");

@@ -26,8 +26,8 @@ struct ModesReading {
   std::uint64_t seed = 1;
   /// Folder that stores the identified modes of raw records for the next call; empty: not stored.
   std::filesystem::path kept = {};
-  /// If true, a last file that cannot be read counts as incomplete, and the next call reads it
-  /// again.
+  /// If true and the last file cannot be read, this file counts as incomplete, and the next call
+  /// reads it again.
   bool following = false;
   std::function<void(double fraction)> progress = nullptr;
 };
@@ -38,7 +38,7 @@ struct ModesReading {
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
 /// The files that `names` specify, in this order. In the last component of a name, "*" matches any
-/// text and "?" any character. Names at /series/modes may have all forms that mode_files accepts.
+/// text and "?" any character. Names at /series/modes can have any form that mode_files accepts.
 [[nodiscard]] std::vector<std::filesystem::path> listed_files(
     const CaseFile& file, const Pointer& where, const std::vector<std::string>& names);
 

@@ -147,7 +147,7 @@ std::optional<MonitoredStructure> parse_monitored_structure(const CaseFile& file
     for (const char* key : {"damage", "explanation"})
       if (file.json.contains(key))
         file.refuse(Pointer() / std::string(key),
-                    "needs the structure that is monitored: give \"structure\" or \"beam\"");
+                    "needs the monitored structure: give \"structure\" or \"beam\"");
     return {};
   }
   if (!file.json.contains("damage"))

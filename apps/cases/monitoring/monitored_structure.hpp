@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 struct MonitoredStructure {
-  /// The kinds of defect of the case. An added mass at any location is appended if no kind is an
-  /// added mass and the structure has members or is a chain of masses.
+  /// The kinds of defect of the case. If the case has no kind of added mass, and the structure has
+  /// members or is a chain of masses, the kind "added mass at any location" is appended.
   DamageCaseFile parsed;
   std::vector<int> modes = {};         ///< index (from 0) of the elastic mode of each feature
   std::vector<double> intact_hz = {};  ///< frequencies of these modes in the intact model

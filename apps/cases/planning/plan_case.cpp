@@ -301,7 +301,7 @@ void take_costs(const CaseFile& file, const std::vector<double>& of_sensors, Pla
   if (!(costs.missed > costs.inspection))
     file.refuse(plan_key("costs") / "missed_damage",
                 "must exceed the cost of an inspection, " + Json(costs.inspection).dump() +
-                    ": otherwise no alarm is worth an inspection");
+                    ": otherwise, no alarm justifies an inspection");
   plan.costs = std::move(costs);
 }
 

@@ -13,9 +13,9 @@ namespace wheeltap::apps {
 struct PlanCaseFile {
   DamageCaseFile parsed;
   identification::planning::PlanCase plan;
-  /// The candidate sensors, in the form of data.sensors of a damage case.
+  /// The candidate sensors, in the format of data.sensors in a damage case.
   std::vector<Json> sensors = {};
-  /// Locations of the candidates on the drawing [m], and their directions; empty for a structure
+  /// Locations [m] on the drawing and directions of the candidate sensors; empty for a structure
   /// given by matrices.
   struct Drawn {
     fem::Vector3 at = {}, direction = {};

@@ -170,8 +170,8 @@ void refuse_possible_modes(const FrequencyText& text, const std::vector<std::siz
     if (std::ranges::find(used, c) == used.end() && signals::unit_of(column).empty() &&
         text.may_hold_modes(c))
       text.refuse_header("the column \"" + column.header +
-                         "\" may hold mode numbers: rename it to \"mode\" if it does, otherwise "
-                         "delete it or state its unit as in \"" +
+                         "\" may hold mode numbers: if so, rename it to \"mode\"; if not, delete "
+                         "it or state its unit as in \"" +
                          column.header + " [%]\"");
   }
 }

@@ -10,15 +10,15 @@
 
 namespace wheeltap::apps {
 
-/// The cells of a CSV file that hold the frequencies.
+/// Location of the frequencies in a CSV file.
 struct FrequencyCells {
   /// For a file with one test per row: names or 1-based numbers of the columns of modes 1, 2, …. If
   /// the list is empty, the file has one mode per row, in a column "frequency" and optionally the
   /// columns "sd" and "mode" (or "number"). Units in brackets are allowed. `wheeltap simulate`
-  /// writes files of this form.
+  /// writes files with one mode per row.
   std::vector<std::string> columns;
-  /// 1-based row of the test below the header; used with `columns`. It may be left out if the file
-  /// has one row.
+  /// 1-based row of the test below the header; used with `columns`. The row may be omitted if the
+  /// file has only one row.
   std::optional<int> row = {};
 };
 
@@ -46,9 +46,9 @@ struct FrequencyTable {
 
 /// Parses the frequencies of repeated tests. The text has one test per row and one mode per column.
 /// `columns` are the names (or 1-based numbers) of the columns of modes 1, 2, …. If the list is
-/// empty, this function uses the columns with a unit of frequency. If no column has such a unit, it
-/// uses all columns. The result has one row per test, in Hz, with NaN for a missing value. Every
-/// row must have as many cells as the header. Throws like parse_frequency_csv.
+/// empty, this function uses the columns with a unit of frequency. If no column has a unit of
+/// frequency, the function uses all columns. The result has one row per test, in Hz, with NaN for a
+/// missing value. Every row must have as many cells as the header. Throws like parse_frequency_csv.
 [[nodiscard]] std::vector<std::vector<double>> parse_repeats_csv(
     std::string bytes, const std::filesystem::path& name, const std::vector<std::string>& columns);
 

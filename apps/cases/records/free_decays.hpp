@@ -10,9 +10,9 @@
 
 namespace wheeltap::apps {
 
-/// Parses the list at `where`: for each free decay, the samples [first, one past the last]. Refuses
-/// a window that is empty or exceeds the `samples` of the record, and overlapping windows, whose
-/// samples would count twice.
+/// Parses the list at `where`: for each free decay, the indices [first sample, one past the last
+/// sample]. Rejects an empty window, a window beyond the `samples` of the record, and overlapping
+/// windows, which would use samples twice.
 [[nodiscard]] std::vector<std::pair<Eigen::Index, Eigen::Index>> parse_decays(const CaseFile& file,
                                                                               const Pointer& where,
                                                                               Eigen::Index samples);

@@ -26,7 +26,7 @@ struct StatedUnit {
 /// True if `dimension` is a displacement, a velocity or an acceleration.
 [[nodiscard]] bool is_motion(signals::Dimension dimension);
 
-/// Name of a quantity of motion in cases: "displacement", "velocity" or "acceleration".
+/// Name of a kinematic quantity in cases: "displacement", "velocity" or "acceleration".
 [[nodiscard]] std::string quantity_name(signals::Dimension dimension);
 
 /// Conversion of a column to SI units. Throws Failure for an unknown or a contradictory unit.

@@ -95,7 +95,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key))
-      file.refuse(where / key, "is not allowed with \"from\": the modes.json gives this value");
+      file.refuse(where / key, "is not allowed with \"from\": modes.json contains this value");
   TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
@@ -111,7 +111,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   if (out.file.covariance.size() == 0)
     refuse_file(out, Pointer("/covariance"),
                 "is null: the identification method gave no uncertainty, but the data of a case "
-                "need an uncertainty: identify the modes with \"ssi-cov\", or give frequencies and "
+                "need an uncertainty. Identify the modes with \"ssi-cov\", or give frequencies and "
                 "their uncertainty in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))

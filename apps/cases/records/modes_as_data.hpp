@@ -20,16 +20,17 @@ struct TakenModes {
   [[nodiscard]] CaseFile sensors_as_case() const;
 };
 
-/// Reads the modes.json that "from" in the data block at `where` names. The key "modes" selects
-/// modes: a list of mode numbers, or the number of lowest modes. Without this key, all modes that
-/// are not doubtful are used. Each mode keeps its number, or gets the number in "model_modes".
-/// Throws Failure (66) for an unreadable file. Throws Failure (65) for another type of file, for
-/// keys of the case that the file replaces, and for modes that the file does not contain.
+/// Reads the file modes.json that the key "from" in the data block at `where` names. The key
+/// "modes" selects modes: a list of mode numbers, or the number of lowest modes. Without this key,
+/// all modes that are not doubtful are used. Each mode keeps its number, or gets the number in
+/// "model_modes". Throws Failure (66) for an unreadable file. Throws Failure (65) for another type
+/// of file, for keys of the case that the file replaces, and for modes that the file does not
+/// contain.
 [[nodiscard]] TakenModes take_modes(const CaseFile& file, const Pointer& where);
 
 /// Fills in frequencies and real shapes with their covariances, for the channels of `out.sensors`;
 /// see identification/modal/real_shape.hpp. Rows of modes that are not used contain NaN, so that
-/// the other modes keep their numbers. With fewer than two channels, no shapes are filled in.
+/// the other modes keep their numbers. With fewer than two channels, `out` contains no shapes.
 /// Throws Failure (65), naming the modes.json, for covariances that are not positive definite.
 void fill(const TakenModes& taken, const std::vector<Eigen::Index>& channels,
           identification::ModalData& out);

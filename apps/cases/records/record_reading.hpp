@@ -17,8 +17,8 @@ struct ChannelUse {
   signals::Conversion conversion = {};
 };
 
-/// Parses decimal, separator, skip, header, units_row, time_format and sheet of the block at
-/// `where`. Throws Failure.
+/// Parses the keys decimal, separator, skip, header, units_row, time_format and sheet of the block
+/// at `where`. Throws Failure.
 [[nodiscard]] io::TextLayout parse_layout(const CaseFile& file, const Pointer& where);
 /// Parses rows_are_channels of the block at `where`.
 [[nodiscard]] io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where);

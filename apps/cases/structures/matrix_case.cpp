@@ -161,7 +161,8 @@ StructureModel parse_matrices(const CaseFile& file) {
     const Json values = s.value(key, Json::object());
     for (const auto& [name, ignored] : values.items())
       if (!s.at("stiffness").contains(name))
-        file.refuse(kMatrixStructure / key / name, "no substructure of stiffness has this name");
+        file.refuse(kMatrixStructure / key / name,
+                    "\"stiffness\" has no substructure with this name");
   }
   if (s.contains("dofs")) out.names = read_names(file, out.mass.rows());
   try {

@@ -172,9 +172,8 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
       if (part.contains("modulus"))
         file.refuse(at / "modulus", "replaces \"young\": give only one of the two keys");
       if (!material.young)
-        file.refuse(
-            at / "young",
-            "needs the reference value of the case: give the case's young, or modulus here");
+        file.refuse(at / "young",
+                    "needs a reference value: give young in the case, or modulus here");
       modulus = part.at("young").get<double>() / *material.young;
     }
     outline.regions.push_back({.outer = parse_ring(part.at("outline")),

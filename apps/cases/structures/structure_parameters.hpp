@@ -33,7 +33,7 @@ struct Coefficient {
   }
 };
 
-/// The parameters of a case and the coefficients of the structure that they determine.
+/// The parameters of a case, and the coefficients of the structure that depend on them.
 class StructureParameters {
  public:
   /// Parses /parameters. Throws Failure for an improper prior.
@@ -42,7 +42,7 @@ class StructureParameters {
   /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
   /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// Parses a coefficient. The function `set` stores the value in the structure. It is called
+  /// Parses a coefficient. The function `set` stores the value in the structure. `set` is called
   /// immediately and at each change of the parameter.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);

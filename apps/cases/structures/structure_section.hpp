@@ -30,7 +30,7 @@ struct PieceSection {
 /// Parses the section at `where`: a shape with dimensions, an outline, or stiffnesses. For shapes,
 /// bending stiffnesses are exact and shear stiffnesses use Cowper's coefficients. Torsional
 /// stiffnesses are exact for rectangles, circles and tubes. Other properties are computed once, on
-/// a mesh; the dimensions must then be numbers, not parameters. Throws Failure.
+/// a mesh; for these, the dimensions must be numbers, not parameters. Throws Failure.
 [[nodiscard]] PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                                const MaterialCoefficients& material, int dimension,
                                                StructureParameters& parameters);

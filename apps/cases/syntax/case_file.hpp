@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 /// Location in a case, e.g. /beam/material/poisson.
 using Pointer = Json::json_pointer;
 
-/// A case as read from its file, with the information for error messages.
+/// The content of a case file, with the information that error messages need.
 struct CaseFile {
   std::filesystem::path path;
   Json json;
@@ -51,8 +51,8 @@ struct CaseFile {
 
 /// Names of all schemas.
 [[nodiscard]] std::vector<std::string> schema_names();
-/// Kinds of complete cases with a schema. A command with the same name as the kind runs the cases
-/// of this kind.
+/// Kinds of complete cases that have a schema. A command with the same name as the kind runs the
+/// cases of this kind.
 [[nodiscard]] std::vector<std::string> kinds_with_schema();
 /// The JSON Schema (draft 7) of this name, with shared definitions. Throws Failure (64) for an
 /// unknown name.

@@ -1,5 +1,5 @@
-// Input files of a case with fingerprints of their content. The fingerprints are a part of the
-// identity of results.
+// Input files of a case, with fingerprints of their content. The fingerprints are part of the text
+// that identifies a case in its results (identity_of).
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,12 @@ namespace wheeltap::apps {
 
 class InputFiles {
  public:
-  /// Adds the fingerprint of the regular file that the case calls `name`, once. Missing files and
-  /// files of other types are ignored; the function that reads the file later reports the error.
+  /// Adds the fingerprint of a regular file, named `name` in the case, unless the list has it
+  /// already. Missing files and files of other types are ignored; the function that reads the file
+  /// later reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
-  /// An empty list that shares the cache of computed fingerprints with this list.
+  /// Returns an empty list that shares the cache of computed fingerprints with this list.
   [[nodiscard]] InputFiles emptied() const;
 
   /// The fingerprints as JSON, by name: {"record.csv": {"bytes": 1234, "checksum":

@@ -15,16 +15,16 @@
 
 namespace wheeltap::apps {
 
-/// Names of the further schemas whose definitions a kind of case uses, in addition to those of its
-/// own schema.
+/// Names of the other schemas whose definitions a kind of case uses, in addition to its own
+/// schema.
 inline std::vector<std::string> definitions_of(std::string_view kind) {
   if (kind == "update") return {"common", "structure"};
   return {"common"};
 }
 
-/// The schema of a force law in a case, generated from the description of the force law. In a
-/// case, a force law is an object, a list of objects or, if one coefficient is sufficient, its
-/// value.
+/// The schema of a force law in a case, generated from the description of the force law. In a case,
+/// a force law is an object, a list of objects or, if one coefficient defines it, the value of this
+/// coefficient.
 template <class AnyJson>
 AnyJson law_rule(const dynamics::LawInfo& law) {
   AnyJson object = {{"description", law_in_words(law)}, {"type", AnyJson::array()}};
@@ -91,7 +91,7 @@ void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
   auto& keys = rules["definitions"]["defects"]["properties"];
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
-  // A copy instead of a reference, because new keys may move existing keys
+  // A copy instead of a reference, because inserted keys may relocate existing keys
   AnyJson names = AnyJson::array();
   for (const auto* type : identification::defect_types()) {
     if (!type->is_for_beams()) continue;
@@ -105,9 +105,9 @@ void add_defects(AnyJson& rules) {
   keys["kind"]["enum"] = std::move(names);
 }
 
-/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds to the
-/// description which interpolants need grids and which accept other designs. `AnyJson` is Json, or
-/// ordered_json, which keeps the order of keys.
+/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. The new
+/// description also states which interpolants need grids and which accept other designs. `AnyJson`
+/// is Json, or ordered_json, which keeps the order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;

@@ -217,8 +217,8 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
   if (monitor.unscored_rows() > 0)
     warnings.push_back("The features of " + base::grouped(monitor.unscored_rows()) + " of " +
                        base::grouped(monitored) +
-                       " monitored rows were not used, because covariates of these rows, or of "
-                       "the rows just before, are missing: no alarm is possible in these rows.");
+                       " monitored rows were not used, because covariates of these rows or of "
+                       "the preceding rows are missing. No alarm is possible in these rows.");
   if (!(monitor.baseline().rhat_max < 1.1))
     warnings.push_back(
         "The chains of the training period have not converged (R-hat " +
@@ -282,7 +282,7 @@ std::string false_alarms_in_words(const Report& monitor) {
   const std::string replayed =
       (bound ? rows ? "more than " : "at least " : std::string()) + rate("replayed");
   if (used > model)
-    return "False alarms at the threshold used, ln S = " + base::fixed(used, 1) + ": " +
+    return "False alarms at the threshold in use, ln S = " + base::fixed(used, 1) + ": " +
            rate("stated") +
            ", as specified, from replayed healthy rows. At the threshold of the model, " +
            base::fixed(model, 1) + ", the replay gives " + replayed + ".";

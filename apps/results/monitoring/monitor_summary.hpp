@@ -22,14 +22,15 @@ namespace wheeltap::apps {
                                      const identification::monitoring::Monitor& monitor,
                                      const RunInfo& info);
 
-/// Prints the answer, the alarms and the rates of false alarms.
+/// Prints the headline, the alarms and the rates of false alarms.
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
                    bool colour);
 
-/// Sentence on the last alarm: its time, onset and probability; without an alarm, on P(changed).
+/// Returns a sentence on the time, onset and probability of the last alarm. Without an alarm, the
+/// sentence gives P(changed).
 [[nodiscard]] std::string monitor_headline(const Report& monitor);
 /// Sentences with the stated rate of false alarms, the threshold that gives this rate, and the rate
-/// in replayed healthy rows. For a series without times, the rates refer to rows.
+/// in simulated healthy rows (Replay). For a series without times, the rates refer to rows.
 [[nodiscard]] std::string false_alarms_in_words(const Report& monitor);
 
 /// "f2 [Hz] by -1.90 % (sd 0.20 %)": shifts whose 95 % interval excludes zero, the most significant

@@ -228,14 +228,14 @@ std::vector<std::string> cautions(const PlanFindings& f) {
   constexpr double kLargeInteraction = 0.5;
   if (f.interaction_high > kLargeInteraction)
     out.push_back(
-        "For one pair of damages in ten, the approximation of their joint effect is wrong by more "
+        "For 10 % of the pairs of damages, the error of their approximate joint effect is more "
         "than " +
         significant(f.interaction_high, 2) +
         " standard errors per measured value. Probabilities for two damages may be too low.");
   if (f.unknown_high > kLargeInteraction)
     out.push_back(
-        "The effect of the unknown coefficients on the data is not linear: for one in ten values "
-        "of their priors, the error is more than " +
+        "The effect of the unknown coefficients on the data is not linear: for 10 % of the values "
+        "drawn from their priors, the error of the linear approximation is more than " +
         significant(f.unknown_high, 2) +
         " standard errors per measured value. Use narrower priors, or check with --check 100.");
   if (!f.without_shapes.empty()) {
@@ -340,15 +340,15 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
     if (key != "plan" && key != "damage" && key != "notes") out[key] = value;
   out["title"] = parsed.parsed.damage.title + ": the planned test";
   out["notes"] = {
-      "Written by wheeltap plan: the recommended sensors and the uncertainty of their data.",
+      "wheeltap plan wrote this case with the recommended sensors and the uncertainty of the data.",
       "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\". In "
       "\"data\", keep only \"sensors\", and add \"from\": \"modes.json\"."};
   // A case with unknown coefficients needs measured modes: Wheeltap does not simulate its data.
   const bool known = structure.unknowns() == 0;
   if (!known)
     out["notes"] = {
-        "Written by wheeltap plan: the recommended sensors. Put the modes.json of the test in the "
-        "folder of this case."};
+        "wheeltap plan wrote this case with the recommended sensors. Put the modes.json of the "
+        "test in the folder of this case."};
   Report data = {{"cov", compact(cov)}};
   Report truth = {{"defects", Report::array({defect})}, {"cov", compact(cov)}, {"modes", modes}};
   if (best.design.sensors.size() >= 2) {

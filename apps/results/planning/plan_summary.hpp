@@ -19,14 +19,15 @@ namespace wheeltap::apps {
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
-/// the test detects with probability 0.9, at the location where this smallest damage is largest. If
-/// the test detects no damage with this probability, the truth is the largest damage at the
-/// location with the most detections. Measured modes replace the truth after the test.
+/// A damage case with the sensors of the recommended design. The key `truth` contains one damage.
+/// Its location is the location at which the smallest detectable severity (detected with
+/// probability 0.9) is largest; its severity is this smallest detectable severity. If the test
+/// detects no damage with probability 0.9, the truth is the largest damage at the location with the
+/// most detections. After the test, the user replaces the truth by the measured modes.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
 
-/// Prints the answer and the tables.
+/// Prints the headline, the details and the tables.
 void print_plan(std::ostream& out, const Report& summary, bool colour);
 
 // ---- Sentences, from /plan of a summary

@@ -60,7 +60,7 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
           (none_yet ? "; two are needed, because shapes have no scale." : ".");
   if (const Report& m = separation.at("mass"); !m.is_null())
     out += (out.empty() ? "" : " ") + std::string("The added mass of ") +
-           m.at("mass").get<std::string>() + ", in a second state of the test, distinguishes " +
+           m.at("mass").get<std::string>() + ", in a second test configuration, distinguishes " +
            share(m) + " by frequencies.";
   return out.empty() ? "No candidate sensor or added mass distinguishes the locations." : out;
 }
@@ -101,8 +101,8 @@ std::string smallest_in_words(const Report& plan) {
   }
   if (all == 0) return {};
   if (found == 0)
-    return "At no location does the test detect with probability 0.9 even the largest " + key +
-           " that the prior allows.";
+    return "Even for the largest " + key +
+           " that the prior allows, the probability of detection is below 0.9 at every location.";
   std::string out = "The smallest " + key + " detected with probability 0.9 is " +
                     significant(least->at(key).get<double>(), 2) + " at " +
                     least->at("place").get<std::string>();
@@ -135,8 +135,8 @@ std::string plan_headline(const Report& plan) {
          " detects " + chance(best, "detection") +
          " of the damages drawn from the prior, at a false-alarm probability of " +
          percent(plan.at("false_alarm").get<double>()) +
-         ". It identifies count and location correctly in " + chance(best, "right_place") +
-         " of these damages.";
+         ". It identifies the number and location of the damages correctly in " +
+         chance(best, "right_place") + " of these damages.";
 }
 
 std::vector<std::string> plan_details(const Report& plan) {
@@ -147,7 +147,8 @@ std::vector<std::string> plan_details(const Report& plan) {
   if (!best.at("sensors").empty()) {
     const Report& alone = plan.at("frequencies_alone");
     out.push_back("Frequencies alone detect " + chance(alone, "detection") +
-                  " and identify count and location in " + chance(alone, "right_place") + ".");
+                  " and identify the number and location of damages in " +
+                  chance(alone, "right_place") + ".");
   }
   const Report& alone = plan.at("alone");
   if (!alone.at("indistinguishable").empty()) {
@@ -197,7 +198,7 @@ std::string check_sentence(const Report& plan) {
            percent(c.at("corrected").get<double>(), c.at("se").get<double>()) + ".";
   };
   corrected("detection", "the probability of detection");
-  corrected("right_place", "the probability of the right count and location");
+  corrected("right_place", "the probability of the right number and location");
   return out;
 }
 

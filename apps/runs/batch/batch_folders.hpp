@@ -23,8 +23,8 @@ class BatchFolders {
   BatchFolders(std::filesystem::path folder, bool resume);
 
   /// Sets name and relative path of a case. The n-th occurrence of a path gets the n-th stored
-  /// folder of this path. If no folder is stored, the case gets a new folder with the name of the
-  /// file without extension. If this name is in use, "-2", "-3", … is appended.
+  /// folder of this path. If there is no n-th stored folder, the case gets a new folder with the
+  /// name of the file without extension. If this name is in use, "-2", "-3", … is appended.
   void give(BatchCase& one);
 
   /// Writes the folders to batch.json. Throws io::FileError (unwritable).
@@ -36,7 +36,7 @@ class BatchFolders {
 
   std::filesystem::path folder_;
   std::map<std::string, std::vector<std::string>> of_;  // folders of each path
-  // Number of already assigned folders of each path
+  // Number of folders of each path that are already assigned to cases
   std::map<std::string, std::size_t> given_;
   std::set<std::string> taken_;
   std::map<std::string, int> last_;  // last number appended to a folder name

@@ -39,10 +39,9 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// Returns true if the run in `folder` was stopped before its end.
 [[nodiscard]] bool stopped_early(const std::filesystem::path& folder);
 
-/// Returns CSV (RFC 4180) with columns case, kind, exit, model, probability, converged,
-/// wall_seconds, folder, error, path and one line per existing row. An apostrophe precedes cells
-/// that a spreadsheet would evaluate as formulas: cells that begin with = + - or @ and are not
-/// numbers.
+/// Returns CSV (RFC 4180) with one line per existing row and the columns case, kind, exit, model,
+/// probability, converged, wall_seconds, folder, error and path. An apostrophe precedes cells that
+/// a spreadsheet would evaluate as formulas: cells that begin with = + - or @ and are not numbers.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
 /// Returns the table as JSON text: a list of objects with the columns as keys. An empty cell is

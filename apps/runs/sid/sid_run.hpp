@@ -10,7 +10,7 @@
 namespace wheeltap::apps {
 
 /// Throws Failure (65) if a simulated record needs more memory than the limits allow. Call this
-/// before the case is parsed, because parsing creates the record.
+/// function before the case is parsed, because parsing creates the record.
 void require_room_for_truth(CaseFile& file, const CommonOptions& common);
 
 /// Returns the cost of a run of the case, including the record.

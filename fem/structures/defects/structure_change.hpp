@@ -11,11 +11,11 @@
 
 namespace wheeltap::fem {
 
-/// Changes that defects cause in a structure: low-rank terms, and scale factors of whole parts of
+/// Changes of K and M that defects cause: low-rank terms, and scale factors of whole parts of
 /// K.
 struct StructureChange {
   /// A stiffness reduction for the combination v · e of a few strains e = Bu, |v| = 1: Bᵀ B becomes
-  /// Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions v with common strains must be orthogonal.
+  /// Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions v that share strains must be orthogonal.
   struct Softening {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
@@ -33,8 +33,8 @@ struct StructureChange {
     double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
   };
 
-  /// A scale factor q > 0 of a part of K_rest (`Discretisation::parts`). This change can have any
-  /// rank, so column-based reanalysis does not support it.
+  /// A scale factor q > 0 of a part of K_rest (`Discretisation::parts`). A scaling can have any
+  /// rank, so column-based reanalysis does not support scalings.
   struct Scaling {
     int part;
     double remaining = 1.0;  ///< q in (0, 1]
@@ -50,14 +50,14 @@ struct StructureChange {
   }
 };
 
-/// Thrown for a change that leaves no valid structure: the change removes more mass than the
+/// Thrown for a change after which the structure is invalid: the change removes more mass than the
 /// structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
 /// Combines several softenings of the same strain into one softening, and several scalings of the
-/// same part into one scaling. The remaining fractions q are multiplied.
+/// same part into one scaling. The combined fraction q is the product of the fractions.
 void compound(StructureChange& change);
 
 /// Applies the changes to the discretisation. The modes of the result are the reference for the

@@ -11,14 +11,14 @@ namespace wheeltap::fem {
 
 struct StructureDefects {
   /// A stiffness reduction of one element. The element that contains `at` keeps the fraction 1 - r
-  /// of its stiffness in every strain.
+  /// of its axial, torsional, bending and shear stiffness.
   struct ElementReduction {
     int member;
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// A stiffness reduction of the segment of a member from `from` to `to`. The segment keeps the
-  /// fraction 1 - r of its stiffness in every strain. Where two reductions overlap, the fraction (1
+  /// A stiffness reduction of the segment of a member from `from` to `to`. All stiffnesses of this
+  /// segment are multiplied by 1 - r. Where two reductions overlap, the fraction (1
   /// - r₁)(1 - r₂) remains.
   struct Reduction {
     int member;
@@ -35,13 +35,13 @@ struct StructureDefects {
   /// A reduction of the rotational stiffness of a joint or support. If the joint has springs
   /// (member ends with a finite stiffness, rotational springs to ground), each spring keeps the
   /// fraction 1 - r of its stiffness. Without springs, every rigidly joined member end gets the
-  /// fixity 1 - r and rotates relative to the joint by r / (1 - r) · L / (3 E I) per unit of moment
-  /// (Monforton & Wu 1963).
+  /// fixity 1 - r (Monforton & Wu 1963). The member end then rotates relative to the joint by r /
+  /// (1 - r) · L / (3 E I) per unit of moment.
   struct LooseJoint {
     int node;
     double reduction;  ///< r in [0, 1)
   };
-  /// A mass that moves with the member in all directions, without rotary inertia.
+  /// A point mass attached to a member, without rotary inertia.
   struct AddedMass {
     int member;
     double at;    ///< [m]
@@ -74,10 +74,10 @@ struct StructureDefects {
 /// dx / EI and the corresponding shear flexibility. The eigenvectors of I + ΔF are the directions
 /// of StructureChange::Softening; the reciprocals of its eigenvalues are the remaining fractions.
 ///
-/// The rotation θ = c v · t of a hinge also moves the mass of the element by g(x) θ. The function g
-/// is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p · Bu, the
-/// mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The change is the
-/// sum of a positive and a negative mass.
+/// The rotation θ = c v · t of a hinge also displaces the mass of the element by g(x) θ. The
+/// function g is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p
+/// · Bu, the mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The
+/// change of M is equivalent to one added and one removed mass.
 ///
 /// The defects are added to the initial change `change`. If several softenings act on the same
 /// strain, their remaining fractions are multiplied. Throws std::invalid_argument for locations

@@ -17,7 +17,7 @@ namespace wheeltap::fem {
 enum class ParametricSolver {
   cheaper,  ///< the cheaper of `basis` and `sparse`
   basis,    ///< reduced basis: modes at selected θ
-  /// Sparse matrices, if the structure is affine and has no rigid-body motions and at most 2000
+  /// Sparse matrices if K and M are affine in θ, without rigid-body motions and with at most 2000
   /// degrees of freedom; otherwise a basis.
   sparse
 };
@@ -27,8 +27,8 @@ struct ParametricModesOptions {
   /// The requested components of mode shapes, as linear forms of the degrees of freedom.
   std::vector<SparseRow> motions = {};
   double tolerance = 1e-7;        ///< largest relative error of an eigenvalue
-  double shape_tolerance = 1e-3;  ///< largest sine of the angle between the computed and the true
-                                  ///< shape, in the energy norm
+  double shape_tolerance = 1e-3;  ///< largest sine of the angle between computed and true shape,
+                                  ///< in the energy norm
   int most_basis = 400;           ///< largest number of columns of the basis
   int complete = 60;              ///< up to this number of degrees of freedom, the basis is
                                   ///< complete
@@ -43,23 +43,24 @@ struct ParametricModesOptions {
 /// bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4). The initial basis contains
 /// the responses to the low-rank terms, (K₀ + σM₀)⁻¹ C.
 ///
-/// Every computed eigenvalue has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r =
-/// K u - λ M u,
+/// Every computed eigenvalue λ has an error bound. Let u be the Ritz vector, scaled so that
+/// uᵀ(K + σM)u = λ + σ, and let r = K u - λ M u be the residual. Then
 ///
 ///   η = ‖r‖_(K + σM)⁻¹ / √(λ + σ)  ≤  ‖r‖_(K₀ + σM)⁻¹ / √(α (λ + σ))
 ///
-/// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
-/// second bound of this error is η²/gap (Temple and Kato), where gap is the relative distance to
-/// the rest of the spectrum. Modes whose relative eigenvalue spacing is below `kCluster` have the
-/// bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are
-/// rigid-body motions. The sine of the angle between a computed and the true shape is at most
-/// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
+/// is a bound of the relative error of 1/(λ + σ) (Weinstein). Low-rank terms are added to K₀
+/// exactly. A second bound of this error is η²/gap (Temple and Kato), where gap is the relative
+/// distance to the rest of the spectrum. Modes whose relative eigenvalue spacing is below
+/// `kCluster` have the bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0
+/// unless there are rigid-body motions. The sine of the angle between a computed and the true shape
+/// is at most η/gap. If an error bound exceeds its tolerance, structure_modes solves the full
+/// problem.
 ///
 /// The error bounds prove that an exact eigenvalue lies near each result. The bounds do not prove
 /// that no mode is missing. Sturm counts check for missing modes at every training point during the
-/// training. Later solutions in a basis are not checked for missing modes. Every solution from
-/// sparse matrices is checked by a Sturm count. Degrees of freedom without mass need no special
-/// treatment, because V includes their static response.
+/// training. After the training, solutions by the reduced basis are not checked for missing modes.
+/// Every solution from sparse matrices is checked by a Sturm count. Degrees of freedom without mass
+/// need no special treatment, because V includes their static response.
 ///
 /// The object is immutable after construction; each thread needs a separate workspace.
 class ParametricModes {
@@ -99,11 +100,11 @@ class ParametricModes {
   /// no valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes whose relative
-  /// eigenvalue spacing is below 1e-6, the derivatives of shapes exclude the indeterminate rotation
-  /// within their subspace. If the full problem was solved, the derivatives are computed in the
-  /// basis. Returns false, without derivatives, if the matrices are not affine in θ, or if the
-  /// solution by the basis or by sparse matrices failed.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). For modes with a relative
+  /// eigenvalue spacing below 1e-6, the derivatives of shapes exclude the indeterminate rotation
+  /// within the subspace of these modes. If the full problem was solved, the reduced basis is used
+  /// for the derivatives. Returns false, without derivatives, if the matrices are not affine in θ,
+  /// or if the solution by the basis or by sparse matrices failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 

@@ -1,4 +1,5 @@
-// A structure whose matrices depend on parameters. The matrices are decomposed into constant terms.
+// A structure whose matrices depend on parameters. The stiffness matrix is a sum of constant terms
+// with variable factors.
 #pragma once
 
 #include <functional>
@@ -26,8 +27,8 @@ struct StructureFamily {
 /// their directions do not depend on θ and their stiffnesses change by the same factor. If K is
 /// given as matrices, each part of K is a term. A term may have any rank.
 ///
-/// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
-/// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
+/// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t. Bounds of K(θ₀)⁻¹ then
+/// give bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
 /// Low-rank terms K_t = C_t C_tᵀ, for example springs, may change by orders of magnitude without
 /// weakening this bound. If α is the minimum over the other terms only,
 ///
@@ -43,8 +44,8 @@ class ParametricStructure {
   };
 
   /// Decomposes the matrices. `samples` holds values of θ, for example draws from the prior
-  /// distribution. The constructor verifies the decomposition to 1e-10 at the first 12 samples at
-  /// which a valid structure exists. Throws the exceptions of `family.at` at θ₀.
+  /// distribution. At the first 12 samples that give a valid structure, the constructor checks the
+  /// decomposition to within 1e-10. Throws the exceptions of `family.at` at θ₀.
   ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
 
   /// The scale factors and matrices at one θ.
@@ -53,7 +54,7 @@ class ParametricStructure {
     Eigen::VectorXd change;                        ///< θ - θ₀
     std::optional<Discretisation> assembled = {};  ///< empty for `affine`
     double floor = 0.0;                            ///< α; 0 if unknown
-    /// q_t/α - 1 for each column of `low_rank()`, where α is at most 1.
+    /// q_t/α - 1 for each column of `low_rank()`, where t is the term of the column and α <= 1.
     Eigen::VectorXd excess = {};
   };
   /// Throws the exceptions of `family.at`.
@@ -72,11 +73,11 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms given as matrices (parts of K); the terms given as matrices come last.
+  /// The number of terms given as matrices (parts of K); these terms come last in the list.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
-  /// The columns C_t of all low-rank terms, one column per rank; empty if a term is not positive
-  /// semidefinite.
+  /// The matrices C_t of all low-rank terms, side by side. The number of columns of C_t is the rank
+  /// of K_t. Empty if a term is not positive semidefinite.
   [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
   [[nodiscard]] Form form() const { return form_; }
   /// The derivatives ∂q_t/∂θ_j (terms × d) and ∂M/∂θ_j; only for `affine`.
@@ -87,7 +88,7 @@ class ParametricStructure {
   [[nodiscard]] const Discretisation& nominal() const { return nominal_; }
   [[nodiscard]] int parameters() const { return static_cast<int>(family_.nominal.size()); }
   [[nodiscard]] int terms() const { return terms_; }
-  /// Index of the term that contains each strain of `nominal`; empty for `general`.
+  /// The index of the term that contains each strain of `nominal`. Empty for Form::general.
   [[nodiscard]] std::span<const int> term_of_strain() const {
     return form_ == Form::general ? std::span<const int>() : group_;
   }

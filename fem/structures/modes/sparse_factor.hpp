@@ -1,4 +1,4 @@
-// Factorisation L D Lᵀ of several sparse symmetric matrices with the same sparsity pattern at once.
+// Simultaneous L D Lᵀ factorisation of several sparse symmetric matrices with one sparsity pattern.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -16,8 +16,8 @@ namespace wheeltap::fem {
 /// degree; Amestoy, Davis & Duff 1996). The object is immutable after construction.
 ///
 /// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w has
-/// index i W + w, so that one pass over the pattern treats all W. All positions are computed in
-/// advance. For a small structure, a search for positions would take more time than the arithmetic.
+/// index i W + w, so that one pass handles all W. All indices are computed at construction. For a
+/// small structure, a search for indices would take more time than the arithmetic.
 class SparseFactor {
  public:
   /// Throws std::invalid_argument if the matrix is not square. Only the pattern of the matrix is
@@ -40,7 +40,7 @@ class SparseFactor {
   struct Values {
     std::vector<double> diagonal, lower;
   };
-  /// The index in `lower` of the entry of L with these two different positions as row and column.
+  /// The index in `lower` of the entry of L in row max(a, b) and column min(a, b), for a != b.
   /// Throws std::out_of_range if L has no such entry.
   [[nodiscard]] std::size_t index(std::size_t a, std::size_t b) const;
   /// The row and the column of an entry of `lower`.
@@ -51,7 +51,7 @@ class SparseFactor {
   /// pivot of zero makes the values infinite or NaN; the caller checks `diagonal`.
   template <int W>
   void factorise(Values& values) const;
-  /// Solves A x = b for one right-hand side of each of W matrices, in place.
+  /// Solves A x = b for W matrices with one right-hand side each, in place.
   template <int W>
   void solve(const Values& factor, double* x) const;
   /// Solves A x = b for R right-hand sides of one matrix, in place. Entry i of the right-hand side
@@ -59,7 +59,7 @@ class SparseFactor {
   template <int R>
   void solve_several(const Values& factor, double* x) const;
 
-  /// The pattern of L for the kernels.
+  /// Returns the sparsity pattern of L in the form that the kernels need.
   [[nodiscard]] detail::SparsePattern pattern() const;
 
  private:

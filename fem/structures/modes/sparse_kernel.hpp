@@ -1,4 +1,4 @@
-// The loops of a sparse factor L D Lᵀ. Internal to SparseFactor.
+// Loops over the entries of a sparse factor L D Lᵀ. Internal to SparseFactor.
 #pragma once
 
 #include <cstddef>
@@ -6,13 +6,13 @@
 
 namespace wheeltap::fem::detail {
 
-// The kernels read plain arrays. This header must not include library code: from such code, the
-// linker could select a function compiled for AVX-512 and use it on every processor.
+// The kernels read plain arrays. This header must not include library code: the linker could select
+// a library function with AVX-512 instructions for every processor.
 
 /// Largest number of columns that one step of a factorisation processes together.
 inline constexpr std::size_t kMostColumns = 4;
 
-/// A run of `length` consecutive positions that begins at `first`.
+/// A sequence of `length` consecutive positions that begins at `first`.
 struct Run {
   std::uint32_t first, length;
 };
@@ -24,8 +24,9 @@ struct ColumnGroup {
   std::uint32_t below;           ///< number of rows below the group
   const std::uint32_t* rows;     ///< these rows
   const Run* row_runs;           ///< the same rows as runs
-  /// Positions in `lower` of the entries (a, b) of L, a > b, as runs: all entries of the first row
-  /// b of `rows`, then those of the second row, and so on.
+  /// Positions in `lower` of the entries (a, b) of L, a > b, with a and b in `rows`, as sequences
+  /// of type Run: all entries whose column b is the first number in `rows`, then those of the
+  /// second, and so on.
   const Run* targets;
 };
 
@@ -37,17 +38,17 @@ struct SparsePattern {
   const std::size_t* start;
 };
 
-/// Functions compiled for one instruction set. The arrays hold 1 or 4 matrices or vectors together:
-/// entry i of matrix w has the index i W + w.
+/// Functions compiled for one instruction set. The arrays interleave W = 1 or 4 matrices or
+/// vectors: entry i of matrix w has the index i W + w.
 struct SparseKernel {
   const char* name;
   void (*factorise)(const SparsePattern&, double* diagonal, double* lower);
   void (*factorise4)(const SparsePattern&, double* diagonal, double* lower);
-  /// Solve A x = b with one matrix, for one right-hand side and for four.
+  /// Solve A x = b for one matrix, with one right-hand side or with four.
   void (*solve)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
   void (*solve_several4)(const SparsePattern&, const double* diagonal, const double* lower,
                          double* x);
-  /// Solves A x = b with four matrices, each for one right-hand side.
+  /// Solves A x = b for four matrices with one right-hand side each.
   void (*solve4)(const SparsePattern&, const double* diagonal, const double* lower, double* x);
 };
 

@@ -56,7 +56,7 @@ inline void store(double* to, const Lanes& value) {
   std::memcpy(to, value.part, sizeof value.part);
 }
 
-/// Computes e[k W + w] -= Σ_c other_c[k W + w] l_c[w] for k < length, for one c after the other.
+/// Computes e[k W + w] -= Σ_c other_c[k W + w] l_c[w] for k < length, in the order of c.
 template <std::size_t W, std::size_t G>
 inline void subtract(double* e, const double* const* other, const double (*l)[W],
                      std::size_t length) {
@@ -81,8 +81,8 @@ inline void subtract(double* e, const double* const* other, const double (*l)[W]
   }
 }
 
-/// Divides the entry `at` of column j by the pivot, and subtracts its product from the pivot of
-/// `row`. `l` receives the result.
+/// Divides the entry a (`at`) of column j by the pivot, and stores the quotient in `at` and `l`.
+/// Subtracts the product of a and the quotient from the pivot of `row`.
 template <std::size_t W>
 inline void eliminate(double* diagonal, double* at, std::size_t j, std::size_t row, double* l) {
   for (std::size_t w = 0; w < W; ++w) {
@@ -92,8 +92,9 @@ inline void eliminate(double* diagonal, double* at, std::size_t j, std::size_t r
   }
 }
 
-/// Eliminates the G columns of a group from all later columns. The products are subtracted from an
-/// entry in ascending order of columns, so that the grouping does not change the result.
+/// Eliminates the G columns of a group from all later columns. Products are subtracted from each
+/// entry in ascending order of columns, so that the result does not depend on the division of the
+/// columns into groups.
 template <std::size_t W, std::size_t G>
 void eliminate_group(const SparsePattern& pattern, const ColumnGroup& group, double* diagonal,
                      double* lower) {
@@ -155,8 +156,8 @@ void factorise(const SparsePattern& pattern, double* diagonal, double* lower) {
     });
 }
 
-/// The steps of L z = b and Lᵀ x = z in the columns of a group, for one right-hand side. At every
-/// vector width, the second step adds four partial sums and a remainder.
+/// The steps of the solution of L z = b and Lᵀ x = z in the columns of a group, for one right-hand
+/// side. At every vector width, the second step adds four partial sums and a remainder.
 template <std::size_t G>
 void forward(const SparsePattern& pattern, const ColumnGroup& group, const double* lower,
              double* x) {

@@ -15,15 +15,16 @@ namespace wheeltap::fem {
 /// Computes the lowest modes of K(θ) φ = λ M(θ) φ, K = Σ q_t(θ) K_t, without a reduced basis. The
 /// method is Lanczos' method for K⁻¹ M with full orthogonalisation (Saad 2011, section 6.6),
 /// started from the modes at θ₀. Derivatives of shapes follow from Nelson's method (1976). The
-/// constructor finds all positions in the sparse matrices and factors, so that a solution takes
-/// little more time than its arithmetic. A Sturm count at each θ proves that no mode is missing.
+/// constructor finds the positions of all nonzero entries in the sparse matrices and factors. A
+/// solution therefore takes little more time than its arithmetic operations. A Sturm count at each
+/// θ proves that no mode is missing.
 ///
 /// The object is immutable after construction; each thread needs a separate workspace.
 class SparseModes {
  public:
   /// `elastic` is the number of modes to compute, `massive` the number of all modes (`mode_count`).
-  /// `start` holds modes at θ₀ as columns, `motions` the requested components of the shapes. The
-  /// structure must be affine, must not have rigid-body motions, and must outlive this object.
+  /// `start` holds modes at θ₀ as columns, `motions` the requested components of the shapes. K and
+  /// M must be affine in θ. The structure must have no rigid-body motions and outlive this object.
   SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
               const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 

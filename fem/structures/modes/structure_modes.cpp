@@ -82,8 +82,8 @@ struct Ritz {
 [[noreturn]] void refuse_spread(const Discretisation& d) {
   refuse_mechanisms(d);
   throw InvalidStructure(Part::whole, 0,
-                         "its masses or stiffnesses differ by too many powers of ten for its "
-                         "eigenvalues to be separated in double precision");
+                         "its masses or stiffnesses differ by too many powers of ten: double "
+                         "precision cannot separate its eigenvalues");
 }
 
 /// Rayleigh-Ritz step on M-orthonormal columns, with energies from the strains.

@@ -7,19 +7,20 @@
 namespace wheeltap::fem {
 
 /// Solves K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972;
-/// Saad 2011, section 5.2),
+/// Saad 2011, section 5.2):
 ///
-/// X ← (K + σ M)⁻¹ M X, starting from the modes of the structure that the constructor received,
+///   X ← (K + σ M)⁻¹ M X.
 ///
-/// until the relative change of all requested eigenvalues is below `tolerance`. Each iteration
-/// multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)², where λ_next is
-/// the lowest eigenvalue outside the block. For n requested modes, the block has max(2 n, n + 8)
-/// vectors. The shift σ is 0 unless the structure has rigid-body motions. Up to `kDense` degrees of
-/// freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
-/// are allowed.
+/// The iteration starts from the modes of the structure that the constructor received.
+/// The iteration ends when the relative change of all requested eigenvalues is below `tolerance`.
+/// Each iteration multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)²,
+/// where λ_next is the lowest eigenvalue outside the block. For n requested modes, the block has
+/// max(2 n, n + 8) vectors. The shift σ is 0 unless the structure has rigid-body motions. Up to
+/// `kDense` degrees of freedom, a dense solver computes the modes without iteration. Degrees of
+/// freedom without mass are allowed.
 ///
-/// This class does not check whether a mode is missing; `eigenvalues_below` does. The object is
-/// immutable after construction, and the results depend only on the arguments.
+/// This class does not check whether a mode is missing; use `eigenvalues_below` for this check. The
+/// object is immutable after construction, and the results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
@@ -38,8 +39,8 @@ class SubspaceModes {
     int steps = 0;                     ///< number of iterations; 0: dense solver
   };
   /// Computes the modes of a structure. If the degrees of freedom differ from those of the first
-  /// structure, structure_modes solves the problem. Returns false if K is not positive definite
-  /// apart from the rigid motions, or if the iteration does not converge.
+  /// structure, structure_modes solves the problem. Returns false if the iteration does not
+  /// converge, or if K is not positive definite on the complement of the rigid-body motions.
   bool solve(const Discretisation& d, Found& out) const;
 
  private:

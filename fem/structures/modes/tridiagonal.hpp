@@ -6,8 +6,8 @@
 namespace wheeltap::fem {
 
 /// Computes the eigenvalues (ascending) of a symmetric tridiagonal matrix T, and the last
-/// component of each unit eigenvector. T has this diagonal (n >= 1 entries) and the n - 1 entries
-/// `below` it:
+/// component of each unit eigenvector. `diagonal` holds the n >= 1 diagonal entries of T, and
+/// `below` holds the n - 1 entries below the diagonal:
 ///
 ///   T q_i = values_i q_i,   last_i = e_nᵀ q_i (up to the sign).
 ///

@@ -11,7 +11,8 @@
 
 namespace wheeltap::fem::detail {
 
-/// The columns of springs, floating masses and softenings, as `DefectColumns` for beams.
+/// The columns of the low-rank terms of a StructureChange: springs, added or removed masses, and
+/// stiffness reductions (softenings). `DefectColumns` is the similar class for beams.
 /// `ResidualModes` replace the modes that are not kept.
 class ChangeColumns {
  public:
@@ -24,9 +25,9 @@ class ChangeColumns {
   }
   /// Writes to `out` the displacement row · φ for each kept mode φ, then for each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
-  /// Computes an upper bound of the relative error of a root. The root of the structure with
-  /// residual modes exceeds the root of the whole structure by at most this relative difference; ∞
-  /// if no bound exists. `next` is the lowest eigenvalue of the modes that are not kept.
+  /// Computes an upper bound of the relative error of a root. The root with residual modes exceeds
+  /// the root of the whole structure by at most this bound; ∞ if no bound exists. `next` is the
+  /// lowest eigenvalue of the omitted modes.
   [[nodiscard]] double bound(double found, int root, double next) const;
 
   std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes

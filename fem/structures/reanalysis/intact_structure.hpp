@@ -15,11 +15,11 @@
 namespace wheeltap::fem::detail {
 
 /// Limits of the total number n of added springs and removed masses. With these changes, root i is
-/// at most intact eigenvalue i + n. Up to the largest limit, S is computed by a short sum over the
-/// near modes; above it, by the sum over all modes.
+/// at most intact eigenvalue i + n. If n is at most the largest limit, S is a short sum over the
+/// near modes. If n is larger, S is the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
 /// The eigenvalue λ assigned to a massless displacement vector ψ (M ψ = 0), divided by the lowest
-/// elastic eigenvalue. Only the static response in ψ affects results.
+/// elastic eigenvalue. The value is so large that only the static response in ψ affects results.
 inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
@@ -43,7 +43,8 @@ struct IntactStructure {
   /// Throws the exceptions of the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
-  /// Returns the window for changes after which root i is at most intact eigenvalue i + `lifting`.
+  /// Returns the window for changes that do not raise root i above the intact eigenvalue with the
+  /// index i + `lifting`.
   [[nodiscard]] const Window& window_for(int lifting) const {
     const auto at = std::ranges::lower_bound(kLifting, lifting);
     return windows[static_cast<std::size_t>(at - kLifting.begin())];

@@ -273,7 +273,7 @@ ResidualFlexibility::ResidualFlexibility(std::shared_ptr<const Discretisation> d
   if (impl.ldlt.info() != Eigen::Success) {
     refuse_mechanisms(*impl.d);
     throw InvalidStructure(InvalidStructure::Part::whole, 0,
-                           "its stiffness is not positive: it cannot be factored");
+                           "its stiffness matrix is not positive definite: it cannot be factored");
   }
   const std::size_t boundary = impl.parts->boundary().size();
   const std::size_t column_bytes =

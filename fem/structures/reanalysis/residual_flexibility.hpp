@@ -1,4 +1,4 @@
-// Residual flexibility of the modes that are not kept, and a few residual modes that represent this
+// Residual flexibility of the omitted modes, and a few residual modes that represent this
 // flexibility.
 #pragma once
 
@@ -24,26 +24,26 @@ namespace wheeltap::fem {
 /// equivalent to displacements l_n of its part of the structure and forces r_n on the edge of this
 /// part (`StaticCondensation`). Because D K = P,
 ///
-///   (D M)ⁿ D a = P l_n + Σ_{i <= n} (D M)ⁱ D E r_{n-i},
+///   (D M)ⁿ D a = P l_n + Σ_{i <= n} (D M)ⁱ D E r_{n-i}.
 ///
-/// where E selects the degrees of freedom of the boundary. With Q_n = Eᵀ (D M)ⁿ D E and α_n = Φᵀ M
+/// E selects the degrees of freedom of the boundary. With Q_n = Eᵀ (D M)ⁿ D E and α_n = Φᵀ M
 /// l_n,
 ///
 ///   R_n = f_Iᵀ l_n' - Σ_{j <= p} λ_j α_0j α_nj' - r_0ᵀ Φ_E α_n'
 ///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}'.
 ///
-/// The first term is present only if both forms belong to the same part. A prime marks quantities
-/// of the second form. Only Q_n requires solutions of the whole structure. The large contributions
-/// to Q_n are subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of
+/// The first term is zero unless both forms belong to the same part. A prime marks quantities of
+/// the second form. Only Q_n requires solutions of the whole structure. The large contributions to
+/// Q_n are subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of
 /// kBatch degrees of freedom. If the boundary is small, the constructor computes all batches;
-/// otherwise, a batch is computed when it is first requested.
+/// for a large boundary, each batch is computed when it is first requested.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
 /// cache holds at most `memory` bytes and removes the least recently used values.
 class ResidualFlexibility {
  public:
-  /// The moments R₀ … R₃ of two forms. The unit of R₀ is N⁻¹ times the units of the forms; each
-  /// further moment has an additional factor s².
+  /// The moments R₀ … R₃ of two linear forms. The unit of R₀ is N⁻¹ times the units of the forms;
+  /// each further moment has an additional factor s².
   struct Moments {
     double r[4] = {0.0, 0.0, 0.0, 0.0};
   };
@@ -63,7 +63,7 @@ class ResidualFlexibility {
   [[nodiscard]] Form motion(const SparseRow& row) const;
 
   [[nodiscard]] Moments moments(const Form& a, const Form& b) const;
-  /// Computes row · u and row · w for a form a, where u = D a and w = D M u.
+  /// Computes row · u and row · w for the linear form a (`form`), where u = D a and w = D M u.
   [[nodiscard]] std::pair<double, double> responses(const SparseRow& row, const Form& form) const;
 
  private:
@@ -71,8 +71,8 @@ class ResidualFlexibility {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A few modes that have the moments R₀ … R₃ of m forms: the Ritz modes of the structure on
-/// span{u_a, w_a},
+/// Residual modes: a few modes with the same moments R₀ … R₃ of m forms as the omitted modes. The
+/// residual modes are the Ritz modes of the structure on span{u_a, w_a},
 ///
 ///   [R₀ R₁; R₁ R₂] y = θ [R₁ R₂; R₂ R₃] y.
 ///
@@ -86,8 +86,9 @@ struct ResidualModes {
   Eigen::MatrixXd weights;      ///< 2m × modes: weights of u_1 … u_m, w_1 … w_m in each mode
 };
 
-/// Computes the residual modes. `moments[n]` is R_n, m × m. Directions with a flexibility below
-/// 1e-11 of the forms' own flexibility are omitted.
+/// Computes the residual modes. `moments[n]` is R_n, m × m. The matrix [R_0 R_1; R_1 R_2] is scaled
+/// to a unit diagonal; its eigenvectors with eigenvalues of at most 1e-11 times the largest
+/// eigenvalue are omitted.
 [[nodiscard]] ResidualModes residual_modes(const Eigen::MatrixXd (&moments)[4]);
 
 }  // namespace wheeltap::fem

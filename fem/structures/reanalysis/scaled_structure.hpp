@@ -25,7 +25,7 @@ namespace wheeltap::fem {
 /// μ_i are affine in θ, and the decomposition is exact within 1e-9.
 class ScaledStructure {
  public:
-  /// Largest total number of vectors b_c and r_i. For larger numbers, other methods are faster.
+  /// Largest total number of vectors b_c and r_i. For more vectors, other methods are faster.
   static constexpr int kMostColumns = 16;
 
   /// Returns std::nullopt if the family does not have this form or needs more than kMostColumns.
@@ -35,8 +35,8 @@ class ScaledStructure {
       StructureFamily family, std::span<const std::vector<double>> samples);
 
   [[nodiscard]] const std::shared_ptr<const Discretisation>& base() const { return base_; }
-  /// The parameters θ of the base structure, at which each point mass has its smallest value among
-  /// all samples.
+  /// The parameters θ of the base structure. At these parameters, each point mass has its smallest
+  /// value among all samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
   /// Total number of vectors b_c and r_i; 0: only the scale factors depend on θ.
   [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }
@@ -52,7 +52,8 @@ class ScaledStructure {
     impossible,   ///< no valid structure exists at θ
     unsupported,  ///< a crack or partial reduction acts on a strain that depends on θ
   };
-  /// Replaces a change of the structure at θ by the corresponding change of the base structure.
+  /// Converts `change` from a change of the structure at θ to the corresponding change of the base
+  /// structure (K₀, M₀).
   Outcome transform(std::span<const double> theta, const Scales& scales,
                     StructureChange& change) const;
 

@@ -22,10 +22,11 @@ namespace wheeltap::fem {
 /// 3:380). K_II and K l are summed from the strains in extended precision.
 ///
 /// Parts are the interiors of members: degrees of freedom that are coupled with at most two ends. A
-/// part is halved along the member until it has at most `kLargest` degrees of freedom and all its
-/// eigenvalues with fixed edge lie above `stiffer_than`. The displacements l_n grow with the
-/// inverse of these eigenvalues, and large l_n would cause cancellation. All other degrees of
-/// freedom, and the `holding_dofs` of a free structure, form the boundary.
+/// part is divided in two along the member until each piece has at most `kLargest` degrees of
+/// freedom, and all eigenvalues of each piece with fixed edge lie above `stiffer_than`. The
+/// displacements l_n grow with the inverse of these eigenvalues, and large l_n would cause
+/// cancellation. All other degrees of freedom, and the `holding_dofs` of a free structure, form the
+/// boundary.
 class StaticCondensation {
  public:
   static constexpr int kLargest = 36;
@@ -40,8 +41,8 @@ class StaticCondensation {
   [[nodiscard]] int parts() const { return static_cast<int>(parts_.size()); }
 
   struct Local {
-    int part = -1;                                            ///< index of the part; -1: the load
-                                                              ///< acts only on the boundary
+    int part = -1;                                            ///< index of the part; -1: no part,
+                                                              ///< only the boundary
     std::vector<int> inside = {};                             ///< degrees of freedom of the part
     std::vector<int> edge = {};                               ///< indices into `boundary`
     Eigen::VectorXd load = {};                                ///< f_I

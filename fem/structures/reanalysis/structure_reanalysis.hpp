@@ -14,19 +14,19 @@ namespace wheeltap::fem {
 /// evaluate the secular function, whose inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, and a spring is a column r with Γ = -k. An added
-/// mass has Γ⁻¹ = 1/(λ μ). An added mass is represented by a mass μ that floats freely beside the
-/// structure (a mode at λ = 0 with displacement 1/√μ) and by a rigid link to r · u. The floating
-/// mass adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
-/// floating mass that enters the eigenvalue count with the opposite sign.
+/// mass has Γ⁻¹ = 1/(λ μ). An added mass is represented by a floating mass μ and a rigid link
+/// between the floating mass and r · u. The floating mass is a mode at λ = 0 with the displacement
+/// 1/√μ. The floating mass adds one column and one pole; the eigenvalue count remains valid. A
+/// removed mass is a floating mass that enters the eigenvalue count with the opposite sign.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
 /// frequencies is then at most 1e-9 in a test with 2000 random sets of defects per structure
 /// (tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
-/// For larger structures, the lowest p modes are kept. Two further modes per column
-/// (`ResidualModes`) represent the residual flexibility for the columns up to the term in λ³. The
+/// For larger structures, the lowest p modes are kept. For each column, two further modes
+/// (`ResidualModes`) represent the residual flexibility up to the term in λ³. The
 /// computed frequencies are those of a constrained structure, so they are not below the true
-/// frequencies. The error bound follows from an eigenvalue count with S minus the largest possible
+/// frequencies. The error bound follows from an eigenvalue count for S minus the largest possible
 /// contribution of the omitted modes. If the bound exceeds 1e-6, the full eigenvalue problem of the
 /// changed structure is solved. Mode shapes remain those of the constrained structure.
 ///
@@ -46,8 +46,8 @@ class StructureReanalysis {
     return available > kAllModes ? 3 * wanted + 40 : available;
   }
 
-  /// Computes the modes of the intact structure. `modes` is the largest number of lowest
-  /// frequencies that a caller can request, rigid-body modes included. `kept` is the number of
+  /// Computes the modes of the intact structure. `modes` is the largest number of modes, counted
+  /// from the lowest, that a caller can request, rigid-body modes included. `kept` is the number of
   /// modes to keep; 0: the value of `kept_modes`. Throws the exceptions of `structure_modes`, and
   /// std::invalid_argument if one of the lowest modes may be missing.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,

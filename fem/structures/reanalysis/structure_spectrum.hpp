@@ -16,9 +16,9 @@ struct StructureSpectrum {
 };
 
 /// Computes all modes in O(n³) operations from M φ = μ (K + u M) φ; the largest μ belong to the
-/// lowest modes. The computation uses long double up to `kWideSpectrum` degrees of freedom. For
-/// larger structures, it uses double and refines the `refined` lowest modes like `structure_modes`.
-/// Massless displacements are condensed exactly. Throws the exceptions of `structure_modes`.
+/// lowest modes. Up to `kWideSpectrum` degrees of freedom, the computation uses long double; above,
+/// it uses double precision and refines the `refined` lowest modes like `structure_modes`. Massless
+/// displacements are condensed exactly. Throws the exceptions of `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);
 

@@ -3,15 +3,16 @@
 //   damage, mass:  δ = δ(kind, place, severity)                       (defect_shifts.hpp)
 //   feature fault: δ = e_j s,       s ~ N(0, (size · residual sd_j)²)
 //   thermometer: δ = -J_c b + ε,  b ~ N(0, (size · sd of the covariate)²), J_c the slopes of the
-//                  features, ε as below: the effect of an offset depends on weather
+//                  features; ε as below, because the effect of an offset depends on weather
 //   other:         δ = δ(damage) + ε,  ε ~ N(0, κ² V), V the covariance of the measured shift
 //
 // P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, with L the likelihood of shift_likelihood.hpp,
-// including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
-// mixture of normal densities. The integrals therefore have a closed form. "Other" has the equally
-// probable sizes κ = 1, 2, 4 … 128. κ is the distance of the shift from that of the nearest damage,
-// in standard deviations of the shift. Without this cause, a shift unlike the shift of any damage
-// would count as damage if the other causes were less probable than damage.
+// including all normalising constants. Along a path (defect_shifts.hpp), δ is piecewise linear in
+// the severity. L is a mixture of normal densities. The integrals therefore have a closed form. For
+// the cause "other", the values κ = 1, 2, 4 … 128 are equally probable. κ is the standard deviation
+// of the difference ε between the shift and the shift due to damage, divided by the standard
+// deviation of the measured shift. Without the cause "other", a shift that no damage
+// can cause would count as damage whenever damage is more probable than the remaining causes.
 #pragma once
 
 #include "identification/monitoring/causes/defect_shifts.hpp"
@@ -60,7 +61,8 @@ struct ChangeExplanation {
   std::vector<ExplainedDefect> defects = {};                   ///< one per kind
   /// Probability of a fault of each feature, and of each covariate's sensor
   std::vector<double> feature_faults = {}, covariate_faults = {};
-  /// Distance of the measured shift from the nearest damage, in standard deviations of the shift.
+  /// Distance between the measured shift and the nearest shift that a damage can cause, in standard
+  /// deviations of the measured shift.
   double distance_to_damage = 0.0;
 };
 

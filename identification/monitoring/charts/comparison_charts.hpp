@@ -42,10 +42,11 @@ struct ChartKind {
 /// The charts, in the order of the list at the top of this file.
 [[nodiscard]] const std::vector<ChartKind>& chart_kinds();
 
-/// With fewer training rows, charts use no running median (ChartKind::median_rows).
+/// Smallest number of training rows with which charts use a running median
+/// (ChartKind::median_rows).
 inline constexpr int kFewestRowsForMedian = 200;
 
-/// An alarm ends after this many rows below the threshold.
+/// An alarm ends after this number of rows below the threshold.
 inline constexpr int kRowsBelow = 24;
 
 struct ChartFinding {
@@ -55,7 +56,8 @@ struct ChartFinding {
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 
-/// Runs all charts that are possible for the series. The first `learning_rows` rows train them.
+/// Runs all charts that are possible for the series. The first `learning_rows` rows train the
+/// charts.
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 

@@ -2,13 +2,14 @@
 // each SIMD lane.
 //
 // The loops are compiled for several SIMD widths, so this header must not include library code
-// (base/simd.hpp). No result depends on the width.
+// (base/simd.hpp). The results do not depend on the SIMD width.
 //
 // Candidates are stored in tiles of kTile. A tile is a list of rows of kTile numbers; the layout
 // gives the first row of each quantity. Covariances hold the lower triangle, row by row. If one
 // feature shifts alone, its shift has the precision q = 1/(prior variance) + `precision` and the
-// mean `information`/q; both sums are common to all prior sizes. Weights (not their logarithms) are
-// stored at hypothesis · kSizes + size (hypothesis 0: all features shift, 1 + j: feature j).
+// mean `information`/q. The sums `precision` and `information` are common to all prior sizes.
+// Weights (not their logarithms) are stored at the index hypothesis · kSizes + size. In hypothesis
+// 0, all features shift; in hypothesis 1 + j, only feature j shifts.
 #pragma once
 
 namespace wheeltap::identification::monitoring::detail {
@@ -30,7 +31,7 @@ struct CandidateLayout {
   [[nodiscard]] int information() const { return precision() + features; }
   [[nodiscard]] int weight() const { return information() + features; }
   [[nodiscard]] int rows() const { return weight() + hypotheses(); }
-  // First rows of a tile of scratch:
+  // First rows of a tile of scratch memory:
   [[nodiscard]] int profile() const { return 0; }   ///< r(t - τ), set by the caller
   [[nodiscard]] int log_mass() const { return 1; }  ///< set by the caller
   [[nodiscard]] int favourite() const { return 2; }
@@ -60,7 +61,7 @@ struct RowStart {
   const char* is_present;  ///< p
 };
 
-/// Entry e among the present entries of a row; it belongs to feature j.
+/// The entry of feature j in a row; e is its index among the present entries of the row.
 struct Entry {
   int j, e;
   double v, s;          ///< innovation without a shift, and its variance
@@ -71,13 +72,14 @@ struct Entry {
 
 struct CandidateKernel {
   const char* name;
-  /// Multiplies the sensitivities of the drifts by their decays, projects them on h, resets sums.
+  /// Multiplies the drift sensitivities by the decays, projects them on h, resets the densities.
   void (*begin)(const CandidateTiles& tiles, const RowStart& row);
-  /// Adds the densities of an entry under every hypothesis, relative to the density without a
-  /// shift. Returns the mean noise inflation of the candidates' most probable hypotheses, weighted
-  /// by the candidates' posterior masses; 0 if all candidates are excluded.
+  /// Multiplies the density of the row under every hypothesis by the density of an entry. Densities
+  /// are relative to the density without a shift. Returns the mean noise inflation of the
+  /// candidates' most probable hypotheses, weighted by the candidates' posterior masses; 0 if all
+  /// candidates are excluded.
   double (*score)(const CandidateTiles& tiles, const Entry& entry);
-  /// Conditions shifts on the entry that was scored last, with the variance `inflated`.
+  /// Conditions shifts on the entry of the last call of `score`, with the variance `inflated`.
   void (*update)(const CandidateTiles& tiles, const Entry& entry, double inflated);
   /// Updates the sensitivities with the gains of the entries (states x `entries`, entry by entry).
   void (*finish)(const CandidateTiles& tiles, int entries, double degrees, const double* gains);

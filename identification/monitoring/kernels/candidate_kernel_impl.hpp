@@ -80,15 +80,16 @@ void begin(const CandidateTiles& of, const RowStart& row) {
   });
 }
 
-/// Log density of the row relative to that without a shift, from products of relative scales and of
-/// Student t tails. For Gaussian noise, `tails` is already the logarithm: -½ the sum of squares.
+/// Log of the density of the row with the shift, divided by the density without a shift. The inputs
+/// are the product of the relative scales and the product of the Student t tails. For Gaussian
+/// noise, `tails` is the logarithm of the second product.
 template <bool kNormal>
 inline Vec log_of(Vec scales, Vec tails, double degrees) {
   if constexpr (kNormal) return -0.5 * log(scales) + tails;
   return (0.5 * degrees) * log(scales) - (0.5 * (degrees + 1.0)) * log(tails);
 }
 
-/// Multiplies the products of one hypothesis by the factors of an entry.
+/// Multiplies the products `scales` and `tails` of one hypothesis by the factors of an entry.
 template <bool kNormal>
 struct EntryTerms {
   double degrees, inverse_scale, inverse_tail, square;
@@ -106,7 +107,7 @@ struct EntryTerms {
   }
 };
 
-/// Writes the covariance of a shift times g to `spread`; returns g' covariance g.
+/// Writes the product of a shift's covariance and g to `spread`; returns g' covariance g.
 inline Vec spread_of(int p, Lanes covariance, Lanes g, Lanes spread) {
   for (int i = 0, at = 0; i < p; ++i) {
     Vec sum{};

@@ -30,7 +30,7 @@ struct EvidenceSums {
 
 struct EvidenceKernel {
   const char* name;
-  /// Sums over all rows for the first `features` lanes.
+  /// Computes the sums over all rows for the first `features` lanes.
   void (*accumulate)(const EvidenceRows& rows, int features, const EvidenceSums& sums);
 };
 

@@ -11,7 +11,7 @@ template <class V>
 [[gnu::always_inline]] inline V log(V x) {
   using Bits = decltype(x < x);
   const Bits bits = (Bits)x;
-  // The exponent becomes the low bits of 2⁵² + k; the sign bit of x is 0.
+  // The exponent bits e of x become the low bits of 2⁵² + e, and k = e - 1023. The sign bit is 0.
   V k = (V)((bits >> 52) | 0x4330000000000000) - (4503599627370496.0 + 1023.0);
   V m = (V)((bits & 0x000fffffffffffff) | 0x3ff0000000000000);
   const auto large = m > 1.4142135623730951;

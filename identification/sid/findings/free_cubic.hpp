@@ -1,5 +1,5 @@
-// Computes the residual of a chain of masses with free cubic springs, with which the residuals of
-// other models are compared.
+// Computes the residual of a chain of masses with free cubic springs, for comparison with the
+// residuals of other models.
 #pragma once
 
 #include <span>
@@ -15,10 +15,10 @@ namespace wheeltap::identification {
 ///   T = k e + c ė + k₂ e² + k₃ e³.
 ///
 /// The four coefficients per link minimise the sum of these squared ratios over the responses, by
-/// Levenberg & Marquardt's method (Moré 1978) from zero. If the optimisation ends in a local
-/// minimum, the result is an upper bound of the smallest residual. The result is empty if the
-/// simulation of the model fails, a response is constant, or the chain of masses has too many force
-/// laws for the integrator.
+/// Levenberg & Marquardt's method (Moré 1978), which starts from zero. If the optimisation ends in
+/// a local minimum, the result is an upper bound of the smallest residual. The result is empty if
+/// the simulation of the model fails, a response is constant, or the chain of masses has too many
+/// force laws for the integrator.
 [[nodiscard]] std::vector<double> free_cubic_residual(const SidProblem& problem, int model,
                                                       std::span<const double> theta);
 

@@ -36,9 +36,9 @@ struct LinkLaw {
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
   /// a mass without other links; empty for other links. The map gives the measured tension Σ F - m
   /// ÿ against extension and rate at up to 500 points; m is the posterior mean of the mass.
-  /// Extension, rate and acceleration are measured, or finite differences of measured values with
-  /// the longest step that the frequency of the motion allows (half a radian). Quantities without
-  /// measured values come from the model.
+  /// Extension, rate and acceleration are measured values or finite differences of measured values.
+  /// The step of the differences is the longest that the frequency of the motion allows (half a
+  /// radian). Quantities without measured values come from the model.
   struct Point {
     double extension = 0.0, rate = 0.0, tension = 0.0;
   };

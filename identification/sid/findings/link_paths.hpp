@@ -9,8 +9,9 @@
 
 namespace wheeltap::identification {
 
-/// Path of all links between masses a and b together, at the scored samples. Their common extension
-/// is e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
+/// Path (extension, rate and tension) of all links between masses a and b together, at the scored
+/// samples. The common extension of these links is e = z_b - z_a. A positive tension T pulls mass a
+/// towards mass b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
   std::vector<double> extension;  ///< extension e [m] in the simulated motion
@@ -25,19 +26,19 @@ struct LinkPath {
   bool differentiated = false;
 };
 
-/// Computes the paths for a model with parameters `theta` of the case. The tensions follow from the
-/// balance of forces,
+/// Computes the path of each link for a model; `theta` are the parameters of the case. The tensions
+/// follow from the balance of forces,
 ///
-///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration,
+///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration.
 ///
-/// which does not need the internal state of force laws with memory. The balance of forces does not
-/// determine the tensions of links in a closed loop. In this case, and if the simulation fails, the
-/// result is empty.
+/// This balance does not need the internal state of force laws with memory. The balance of forces
+/// does not determine the tensions of links in a closed loop. The result is empty if there is such
+/// a loop, or if the simulation fails.
 ///
-/// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured,
-/// finite differences of order eight of a measured velocity or displacement replace it (Fornberg
-/// 1988). `measured` is omitted if the noise of this tension, estimated from sixth differences,
-/// would exceed a tenth of the tension's range.
+/// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured, ÿ
+/// is computed from a measured velocity or displacement by finite differences of order eight
+/// (Fornberg 1988). `measured` is omitted if the noise of the tension would exceed a tenth of the
+/// range of the tension. The noise is estimated from sixth-order differences.
 [[nodiscard]] std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
                                                std::span<const double> theta);
 

@@ -29,14 +29,15 @@ struct ModelWindows {
 /// lengths differ by at most one sample. If SidCase::windows is 0, one window has all samples.
 [[nodiscard]] std::vector<std::pair<int, int>> window_bounds(const SidCase& sid_case);
 
-/// Restricts the scoring of one record to the window [first, last). The samples before the window
-/// are integrated from the start of the record, but not scored. The likelihood of a window is a
-/// factor of the likelihood of the whole record,
+/// Restricts the likelihood of one record to the window [first, last). The motion is integrated
+/// from the start of the record, but samples before the window do not enter the likelihood. For
+/// white residuals, the likelihood of the whole record is the product of the likelihoods of the
+/// windows:
 ///
 ///   ln p(r_1 … r_N | θ) = Σ_w ln p(r_w | θ)   (white residuals),
 ///
-/// so windows need no additional parameters, and their estimates are consistent with those of the
-/// whole record.
+/// Windows therefore need no additional parameters, and the estimates from the windows are
+/// consistent with the estimate from the whole record.
 [[nodiscard]] SidCase window_case(SidCase sid_case, int first, int last);
 
 /// Fits the hierarchical model of Sedehi, Papadimitriou & Katafygiotis (2019, Mech. Syst. Signal
@@ -45,18 +46,20 @@ struct ModelWindows {
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
-/// cannot be wider than this prior. As in that paper, the posterior of each window is replaced by
-/// its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for
-/// this mode begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
+/// cannot be wider than this prior. As in Sedehi et al., the posterior of each window is replaced
+/// by its normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search
+/// for this mode begins at `start` (e.g. the best draw). Each parameter i is analysed separately,
+/// by its marginal distribution
 ///
-///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
+///   ẑ_w ~ N(μ_i, Σ_ii + s_w²).
 ///
-/// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
-/// least two windows; for credible intervals of useful width, five or more. The estimates ẑ_w and
-/// s_w no longer contain the window's prior N(0, 1). Windows of further records are used in the
-/// same way. A normal log posterior decreases by 2 at two standard deviations from the posterior
-/// mode, along the regression on the parameter. If the decrease is below 1 or above 4, the window
-/// counts as far from normal.
+/// The marginal distribution does not depend on the other entries of Σ
+/// (hierarchical_posterior.hpp). This analysis needs at least two windows; for credible intervals
+/// of useful width, five or more. The estimates ẑ_w and s_w no longer contain the window's prior
+/// N(0, 1). Windows of further records are used like those of the first record. Let a parameter
+/// differ from the posterior mode by two standard deviations, with the other parameters at their
+/// conditional means. A normal log posterior then decreases by 2. If the decrease is below 1 or
+/// above 4, the window counts as far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
 /// This limit differs from the mean of the estimates of the windows, because windows with more

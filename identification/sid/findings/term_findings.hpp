@@ -21,8 +21,8 @@ struct TermFinding {
   /// Unknown coefficients of the term, given that the term is included
   std::vector<ParameterFinding> parameters = {};
 
-  /// True if the inclusion probability is above kDecided, so that the term counts as included. The
-  /// next function is true if the probability is below 1 - kDecided: the term counts as excluded.
+  /// is_in: true if the inclusion probability is above kDecided (the term counts as included).
+  /// is_out: true if it is below 1 - kDecided (the term counts as excluded).
   [[nodiscard]] bool is_in() const { return inclusion > kDecided; }
   [[nodiscard]] bool is_out() const { return inclusion < 1.0 - kDecided; }
   static constexpr double kDecided = 0.9;
@@ -35,11 +35,12 @@ struct Discovery {
   std::vector<LinkLaw> laws;
 };
 
-/// Computes inclusion probabilities from the model probabilities
-/// (inference/diagnosis/standing.hpp), which use the evidence of models whose draws are not
-/// reliable. The error of an inclusion probability combines two parts: the error of the mean of the
-/// term's indicator over the Markov chains (at least the effect of one effective draw), and the
-/// errors of model probabilities from evidence.
+/// Computes inclusion probabilities from the model probabilities. If the draws of a model are not
+/// reliable, the model probability comes from the evidence of the model
+/// (inference/diagnosis/standing.hpp). The error of an inclusion probability combines two errors.
+/// The first is the error of the mean of the term's indicator over the Markov chains (at least the
+/// effect of one effective draw). The second is due to the errors of model probabilities from
+/// evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,
                                                      const Findings& findings);

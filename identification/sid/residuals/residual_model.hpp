@@ -24,7 +24,7 @@ struct ResidualParameter {
   std::string_view unit;  ///< SI unit of the parameter; "1": dimensionless
 };
 
-/// Parts of the name of a residual model in a sentence: "an" "autoregression" " of order 2".
+/// The parts of a phrase that names a residual model: "an" "autoregression" " of order 2".
 struct ResidualWords {
   std::string_view article = {};
   std::string_view name = {};
@@ -63,8 +63,9 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r. A model may omit the first few. The default
-  /// implementation returns the result of `standardise`, with variance σ².
+  /// Returns the innovations for tests of whiteness, which are linear functions of the residuals. A
+  /// residual model may omit the first few innovations. The default implementation returns the
+  /// result of `standardise`, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };
@@ -80,8 +81,8 @@ struct ResidualKind {
   std::string_view value_description;  ///< description of the value, for the schema
   int highest;                         ///< highest allowed value
   std::shared_ptr<const ResidualModel> (*make)(int value);
-  /// Chooses the value from the residuals of one response in the best fit with white
-  /// residuals.
+  /// Chooses the value from the residuals of one response. These residuals come from the best fit
+  /// under the assumption of white residuals.
   int (*choose)(std::span<const double> residuals);
   std::string_view criterion;  ///< criterion by which `choose` selects
 };

@@ -28,7 +28,8 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
   if (baseline.modes() < modes)
     throw InvalidInput(InvalidInput::Part::data,
                        "the baseline has " + std::to_string(baseline.modes()) +
-                           " modes: must be at least those of the data, " + std::to_string(modes));
+                           " modes: must be at least the number of modes in the data, " +
+                           std::to_string(modes));
   const std::vector<double> model = undamaged_frequencies(damage_case, modes);
   ModalData modal = damage_case.modal() ? *damage_case.modal() : ModalData{};
   damage_case.baseline = Baseline{};

@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 /// the frequency of a mode by the same factor in both states cancel: errors of moduli, densities
 /// and lengths and, to first order, small local errors away from the damage. The i-th baseline
 /// frequency belongs to the i-th elastic mode of the intact model. Modes without a baseline (NaN)
-/// are removed from the data. Mode shapes remain as they are.
+/// are removed from the data. Mode shapes are not changed.
 ///
 /// Call this function once, on a complete case. Throws InvalidInput (data) if the baseline has
 /// fewer modes than the data, and for implausible factors b/m (below 1/2, above 2).

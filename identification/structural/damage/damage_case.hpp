@@ -40,8 +40,8 @@ struct DamageCase {
   std::shared_ptr<const StructureModel> structure = {};  ///< if set, replaces the beam
   int rigid_body_modes = 0;  ///< rigid-body modes of the intact beam; absent from the data
   FrequencyData data = {};   ///< empty until frequencies are simulated
-  /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
-  /// structure are unknown or several states were measured. `data` then contains only the
+  /// Present only if shapes were measured, frequencies have a covariance, coefficients of the
+  /// intact structure are unknown or several states were measured. `data` then contains only the
   /// frequencies of the measured modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
   std::optional<Baseline> baseline = {};  ///< if set, `data` are already divided by b/m
@@ -65,7 +65,7 @@ struct DamageCase {
   [[nodiscard]] AnyStructure solved_structure() const;
 };
 
-/// The structure with its true defects, for a case that is solved as a structure.
+/// The structure with its true defects, for a case with `solved_as_structure()`.
 [[nodiscard]] fem::Discretisation true_structure(const DamageCase& damage_case);
 /// Shapes with noise (`Simulation`) at the sensors of `modal`: one row per mode, largest entry 1
 /// before the noise. Throws InvalidInput.

@@ -13,7 +13,8 @@ namespace wheeltap::identification {
                                                  const inference::Options& options,
                                                  double most_in_memory);
 
-/// Run time and memory of FE runs on a training grid; zero for other emulators or none.
+/// Run time and memory of FE runs on a training grid; zero for other emulators, or without an
+/// emulator.
 [[nodiscard]] inference::RunCost cost_of_tables(const DamageCase& damage_case);
 
 }  // namespace wheeltap::identification

@@ -11,8 +11,8 @@ namespace wheeltap::identification {
 
 /// Returns the remarks of structure_plausibility.hpp. Also reports the data if at least half of the
 /// frequencies differ by more than a tenth and by more than 5 sd from all predictions of 200 prior
-/// draws. Also reports the stated noise if it exceeds, for every frequency, twice the range of
-/// these predictions.
+/// draws. Also reports the stated noise if, for every frequency, it exceeds twice the range of the
+/// 200 predictions.
 [[nodiscard]] std::vector<Remark> implausible(const DamageProblem& problem);
 
 }  // namespace wheeltap::identification

@@ -47,13 +47,13 @@ struct DamageProblem : StructuralProblem {
 struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
-  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. The inputs are location
-  /// [m] and severity (and extent [m], if unknown) of each defect, for the largest number of
-  /// defects of each kind: first the existing defects by location, then zeros.
+  /// Replaces the FE solution: predicts the elastic frequencies [Hz] of a beam. The inputs are
+  /// location [m] and severity (and extent [m], if unknown) of each defect, for the largest number
+  /// of defects of each kind: first the existing defects by location, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Forward model that replaces the FE solution: predicts the lowest elastic frequencies [Hz], or
   /// modes if the case has shapes or correlated frequencies. The model must match the structure of
-  /// the case and cannot be emulated.
+  /// the case. The case must not have an emulator.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations that are added to the data of the case
   std::vector<std::shared_ptr<const Observation>> observations = {};

@@ -318,7 +318,7 @@ Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec, const Defe
       throw std::invalid_argument(
           "a table for " + std::to_string(count) + " damages would need " + run_number(runs) +
           " runs, more than 10 million: use \"expansion\": \"anova\", fewer sites or multipliers, "
-          "a smaller count, or \"fe\"");
+          "a smaller count, or \"predictor\": \"fe\"");
     }
     return emulator::full_factorial(std::move(box));
   }

@@ -18,18 +18,18 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< seed of the holdout runs
   std::filesystem::path journal_stem = {};  ///< each run is saved to STEM.count_K; empty: no file
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Computes the frequencies at a design point instead of the FE solution. An empty point means
+  /// Replaces the FE solution: computes the frequencies at a design point. An empty point means
   /// the intact beam.
   emulator::ModelFactory model = {};
   /// Results of `run_part`; if given, no new runs are made.
   const emulator::TableFile* runs = nullptr;
 };
 
-/// The damages at a design point (location_1 [m], reduction_1, location_2 …), by location.
+/// The damages at a design point (location_1 [m], reduction_1, location_2 …), sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// One entry per factor of `count` damages: true for a location, along which frequencies oscillate;
-/// false for a reduction.
+/// One entry per factor of `count` damages: true for a location, because frequencies oscillate
+/// with the location; false for a reduction.
 [[nodiscard]] std::vector<bool> waves(int count);
 
 /// Computes the elastic frequencies [Hz] at a design point by the FE solution.
@@ -54,9 +54,10 @@ struct RunOptions {
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of training runs: new runs, previous runs (`options.runs`) or the user's (`spec.csv`).
-/// If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the number of new
-/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
+/// (`spec.csv`). If `spec.accuracy` is set, the accuracy determines the number of runs. Adds the
+/// number of new runs to `made`. Throws std::invalid_argument. Throws io::FileError if the runs of
+/// the user cannot be read or are invalid.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

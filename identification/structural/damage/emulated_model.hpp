@@ -11,7 +11,7 @@
 namespace wheeltap::identification {
 
 /// The emulator predicts frequencies and error variances (0 if `errs` is false). The model `exact`
-/// predicts if the structure is intact, or if the ANOVA sum is not a valid frequency.
+/// replaces the emulator if the structure is intact, or if the ANOVA sum is not a valid frequency.
 class EmulatedModel final : public ForwardModel {
  public:
   EmulatedModel(std::shared_ptr<const FrequencyEmulator> emulator,

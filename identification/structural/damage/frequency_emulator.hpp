@@ -19,13 +19,13 @@ namespace wheeltap::identification {
 class FrequencyEmulator {
  public:
   /// Makes the FE runs of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
-  /// error on holdout runs. `kind` gives the range of space-filling designs. Throws
-  /// std::invalid_argument if a design exceeds 10 million runs or does not cover the priors, or if
-  /// `runs` is incomplete; throws FileError for the user's runs.
+  /// error on holdout runs. The priors of `kind` give the ranges of the factors in space-filling
+  /// designs. Throws std::invalid_argument if a design exceeds 10 million runs or does not cover
+  /// the priors, or if `runs` is incomplete; throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);
-  /// Reads a table file made for this beam, whose interpolant is one of `types`. Throws
-  /// io::FileError; throws std::invalid_argument if the file holds too few tables or modes.
+  /// Reads a table file made for this beam. The interpolant of the table must be one of `types`.
+  /// Throws io::FileError; throws std::invalid_argument if the file holds too few tables or modes.
   static FrequencyEmulator load(const std::filesystem::path& path, const fem::Beam& beam,
                                 int max_count, int modes,
                                 InterpolantTypes types = interpolant_types());
@@ -56,8 +56,8 @@ class FrequencyEmulator {
   /// True if an evaluation takes hundreds of microseconds instead of a few microseconds.
   [[nodiscard]] bool is_slow() const;
 
-  /// A prior (location or severity) of `kind` that extends outside the training domain, and a
-  /// message.
+  /// A prior (location or severity) of a kind that extends outside the training domain, and the
+  /// error message.
   struct Outside {
     InvalidInput::Part part;
     std::string message;
@@ -65,7 +65,7 @@ class FrequencyEmulator {
   [[nodiscard]] std::optional<Outside> reaches_outside(const DefectKind& kind) const;
 
  private:
-  /// The interpolant for one number of damages.
+  /// The interpolant for predictions with a given number of damages.
   struct Part {
     const emulator::InterpolantType* type;
     emulator::Table table;
@@ -78,8 +78,8 @@ class FrequencyEmulator {
   }
   [[nodiscard]] int tables() const { return static_cast<int>(parts_.size()); }
   void add(const emulator::InterpolantType& type, emulator::Table table, int threads);
-  /// Adds, by ANOVA, the emulators for more damages than the tables cover. Requires tables for one
-  /// and two damages, and the intact frequencies in the table for two.
+  /// Adds emulators for larger numbers of damages than the tables cover, by ANOVA. Requires tables
+  /// for one and for two damages. The table for two damages must contain the intact frequencies.
   void add_anova(emulator::Additive additive);
   void measure(const fem::Reanalysis& reanalysis, int count, Eigen::Index runs,
                const RunOptions& options);
@@ -96,7 +96,7 @@ class FrequencyEmulator {
   std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
-  /// Emulator for more damages than the tables cover
+  /// Emulator for numbers of damages above those of the tables
   std::shared_ptr<const emulator::AnovaEmulator> anova_;
 };
 

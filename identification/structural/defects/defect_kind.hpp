@@ -48,7 +48,7 @@ struct DefectType {
   /// Adds the effect of a defect to a structure; null if the type is not for structures.
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
-  /// Parts of a structure that may have such a defect.
+  /// Parts of a structure in which this type of defect is possible.
   enum class Sites { members, nodes, links, substructures };
   Sites sites = Sites::members;
   [[nodiscard]] std::string noun_plural() const {

@@ -1,4 +1,4 @@
-// Mass added to a member, or (negative) removed from the member.
+// Mass added to a member; a negative mass is removed from the member.
 #pragma once
 
 #include <limits>

@@ -16,7 +16,7 @@ struct PlacedDefect {
   double extent = 0.0;  ///< extent [m], if the extent of the kind is unknown
 };
 
-/// Change of the structure by these defects. `mesh` is null for structures without members.
+/// Change of the structure that `defects` cause. `mesh` is null for structures without members.
 [[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
                                                     const std::vector<PlacedDefect>& defects,
                                                     const fem::Mesh* mesh);

@@ -1,5 +1,6 @@
 // Stiffness reduction: EI and κGA of the element at x are multiplied by 1 - r. In a structure, all
-// stiffnesses are multiplied, and the reduction may cover a given length instead of an element.
+// stiffnesses of the element are multiplied by 1 - r, and the reduction may cover a given length
+// instead of an element.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"

@@ -12,7 +12,7 @@ namespace wheeltap::identification {
 /// Maps one number x in [0, length()) to a location, because the engine requires scalars. For a
 /// beam, x is the location. For a structure, the allowed members are concatenated, each with a
 /// length proportional to its prior weight. Each member, joint, storey or substructure is a stretch
-/// of the line. A uniform location prior on the line then reproduces the weights. Probabilities are
+/// of the line. With a uniform prior of x, each member then has its prior weight. Probabilities are
 /// reported per cell: an element, or a whole joint.
 class SiteLine {
  public:
@@ -28,7 +28,7 @@ class SiteLine {
     int stretch;
     int site;
     double s;  ///< [m] from the member's first end; 0 for a point
-    /// Length [m] of a defect, centred at the spot; 0 for a point or a whole element.
+    /// Length [m] of a defect, centred at the location; 0 for a point or a whole element.
     double extent = 0.0;
   };
 
@@ -55,7 +55,8 @@ class SiteLine {
   /// std::invalid_argument outside the line.
   [[nodiscard]] int cell_at(double x) const;
   [[nodiscard]] int stretch_of_cell(int c) const;
-  /// The location at x on the line. Throws the exceptions of `cell_at`.
+  /// Returns the location of the point with the coordinate x on the line. Throws the exceptions of
+  /// `cell_at`.
   [[nodiscard]] Spot spot(double x) const;
   /// Inverse of `spot`; NaN if the site is not on the line.
   [[nodiscard]] double x_of(int site, double s) const;

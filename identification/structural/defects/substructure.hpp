@@ -1,4 +1,4 @@
-// Stiffness reduction of a whole substructure of another program's matrices.
+// Stiffness reduction of a whole substructure in matrices of another program.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"

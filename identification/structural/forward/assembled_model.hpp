@@ -1,4 +1,4 @@
-// Forward model of a structure with a few defects, by reanalysis: members, chains or matrices.
+// Forward model, by reanalysis, of a structure (members, chain or matrices) with a few defects.
 #pragma once
 
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"

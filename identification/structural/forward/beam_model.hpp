@@ -6,9 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// The slopes of frequencies are those of fem::Reanalysis: exact derivatives with respect to
-/// severities; differences of two further solutions with respect to locations. The model has no
-/// slopes if a kind of defect is not elementary (DefectType).
+/// fem::Reanalysis computes the derivatives of frequencies (Quantity::slopes): exact derivatives
+/// with respect to severities, and difference quotients of two further solutions with respect to
+/// locations. There are no derivatives if a kind of defect is not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
   /// `modes` is the number of elastic modes. Throws the exceptions of the constructor of

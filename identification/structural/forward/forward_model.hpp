@@ -25,9 +25,9 @@ struct Prediction {
   std::vector<double> error_variance = {};
 };
 
-/// Computes elastic frequencies (and modes at sensors) of a structure from its parameters and
-/// defects. Immutable and shared by threads; each thread has a separate solver, which the model
-/// must outlive.
+/// Computes elastic frequencies (and mode shapes at sensors) of a structure from its parameters and
+/// defects. Immutable and shared by threads. Each thread has a separate solver; the model must
+/// outlive all solvers.
 class ForwardModel {
  public:
   virtual ~ForwardModel() = default;
@@ -48,8 +48,8 @@ class ForwardModel {
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
     /// Optional: for a structure without defects, writes the modes into `out` and their derivatives
-    /// with respect to θ into `slopes`. Returns false, with both undefined, if the derivatives are
-    /// not available.
+    /// with respect to θ into `slopes`. If the derivatives are not available, returns false, and
+    /// `out` and `slopes` are undefined.
     virtual bool differentiate_modes(std::span<const double> /*theta*/, Prediction& /*out*/,
                                      fem::ParametricModes::Slopes& /*slopes*/) {
       return false;

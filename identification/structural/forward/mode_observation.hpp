@@ -41,8 +41,8 @@ class ModeObservation : public Observation {
   /// in `data`.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
-  /// True if stiffness errors are included (StiffnessErrors). In this case, the next function gives
-  /// ln p(mode | all other modes, x) for each mode of `data`.
+  /// True if stiffness errors are included (StiffnessErrors). In this case, `single_mode_densities`
+  /// gives ln p(mode | all other modes, x) for each mode of `data`.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,
                                                               const ModalNoise& /*noise*/) const {
@@ -62,11 +62,12 @@ class ModeObservation : public Observation {
   UnknownScatters scatters_;
 };
 
-/// Makes the observation of one structure's modes. Throws the exceptions of ModalLikelihood.
+/// Creates the ModeObservation of the modes of one structure. Throws the exceptions of
+/// ModalLikelihood.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(const ModalData& data,
                                                                        UnknownScatters scatters);
 
-/// Makes the observation of the modes of several states.
+/// Creates the ModeObservation of the modes of several states.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_states(
     std::shared_ptr<const StatesLikelihood> likelihood, UnknownScatters scatters);
 

@@ -20,9 +20,9 @@ class Observation {
   /// Unknown noise parameters.
   [[nodiscard]] virtual std::vector<inference::Parameter> parameters() const { return {}; }
   /// Returns ln p(data | prediction, noise), with all normalising constants. `noise` has the values
-  /// of `parameters`. `predicted` has frequencies or modes, as the problem's first observation
-  /// requires. Every observation may append standardised residuals to `out`; only the first
-  /// observation may change other members of `out`.
+  /// of the unknown noise parameters. `predicted` has frequencies or modes, as the problem's first
+  /// observation requires. Every observation may append standardised residuals to `out`; only the
+  /// first observation may change other members of `out`.
   virtual double log_density(const Prediction& predicted, std::span<const double> noise,
                              inference::Evaluation& out) const = 0;
 };

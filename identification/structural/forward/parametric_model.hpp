@@ -9,7 +9,7 @@
 
 namespace wheeltap::identification {
 
-/// Modes at the sensors by a reduced basis, with derivatives if the basis provides them.
+/// Computes modes at the sensors in a reduced basis, with derivatives if the basis provides them.
 class BasisModel final : public ForwardModel {
  public:
   explicit BasisModel(std::shared_ptr<const fem::ParametricModes> basis)

@@ -7,8 +7,8 @@
 namespace wheeltap::identification {
 
 /// The program computes the elastic frequencies [Hz] from location [m] and severity (and extent
-/// [m], if unknown) of each defect. The program gets inputs for the largest number of defects of
-/// each kind: first the existing defects by location, then zeros.
+/// [m], if unknown) of each defect. The inputs cover the largest allowed number of defects of each
+/// kind: first the existing defects, sorted by location, then zeros for the absent defects.
 class ProgramModel final : public ForwardModel {
  public:
   ProgramModel(std::shared_ptr<OutsideModel> model, std::vector<DefectKind> kinds)

@@ -30,47 +30,47 @@ struct ModalNoise {
 
 /// Sd of the coefficient with which the model error δK mixes mode k into mode j. δK changes a
 /// frequency by δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j -
-/// λ_k). If off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal entries,
-/// the mixing coefficient is normal with sd
+/// λ_k). Off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are assumed κ times as large as diagonal
+/// entries. The mixing coefficient is then normal with sd
 ///
-///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
+///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj.
 ///
-/// limited to 1, because the first-order expansion is not valid beyond ( Fox & Kapoor 1968, AIAA J.
-/// 6:2426). For entries of a random symmetric matrix κ = 1/√2.
+/// The sd is limited to 1, because the first-order expansion is not valid above 1 (Fox & Kapoor
+/// 1968, AIAA J. 6:2426). For the entries of a random symmetric matrix, κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
-/// The likelihood of measured modes. With A the assignment of measured modes to computed modes,
+/// The likelihood of measured modes. Let A be the assignment of measured to computed modes:
 ///
 ///   ln p(data | θ) = ln N(f_obs; f_A(θ), C) + Σ ln p(ψ_i | φ_A(i)(θ)),
 ///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
-///   C_noise = C of the data, or cov² diag(f_obs²),
+///   C_noise = C of the data, or cov² diag(f_obs²).
 ///
-/// with the shape densities of shape_density.hpp. With the discrepancy δ, the model error changes
-/// each frequency by N(0, (δ f)²). This error is integrated out, so that δ can be inferred from the
-/// residuals.
+/// shape_density.hpp defines the shape densities. With the discrepancy δ, the model error changes
+/// each frequency by N(0, (δ f)²). The likelihood is the integral over this model error, so that δ
+/// can be inferred from the residuals.
 ///
-/// Matching: without shapes, the i-th frequency belongs to the i-th elastic mode. With shapes, A is
-/// the assignment to the `candidates` lowest modes with the least cost for frequencies and shapes
-/// together. Data may therefore omit or reorder modes. Correlations of frequencies do not affect
-/// the matching. Only the best matching is used: another matching is nearly as good only if modes
-/// are close and similar.
+/// Matching: without shapes, the i-th frequency belongs to the i-th elastic mode. With shapes, A
+/// assigns the measured modes to the `candidates` lowest computed modes. A minimises the total cost
+/// of the differences in frequency and shape. The data may therefore omit or reorder modes.
+/// Correlations of frequencies do not affect the matching. Only the best matching is used: another
+/// matching is nearly as good only if modes are close and similar.
 ///
 /// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
-/// computed mode by `mixing_sd`. Close modes (below) are then not rotated. Instead, the mixing sd
-/// of the closest mode is √(mixing_sd² + τ²).
+/// computed mode by `mixing_sd`. With mixing, close modes (below) are not rotated. Instead, the
+/// mixing sd of the closest mode is √(mixing_sd² + τ²).
 ///
-/// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
-/// frequencies count as uncorrelated and
+/// Spurious modes: each measured mode may be spurious with probability ε (`ModalData::doubt`). If ε
+/// is not 0, frequencies count as uncorrelated and
 ///
 ///   p(mode i | θ) = (1 - ε) N(f_i; f_A(i), C_ii) p(ψ_i | φ_A(i)) + ε p₀(f_i) p₀(ψ_i),
 ///
-/// with p₀ uniform over frequencies up to `kBand` times the highest measured frequency, and over
-/// all shape directions. In this case, A may leave measured modes unmatched.
+/// p₀ is uniform over frequencies up to `kBand` times the highest measured frequency, and over all
+/// shape directions. If ε is not 0, A may leave measured modes unmatched.
 ///
-/// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
-/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
-/// eigenvalues. A relative change of K of about a thousandth has this effect. If more than two
-/// modes are close, each is rotated with the mode closest to it.
+/// Close modes: the relative difference (gap) of their eigenvalues is below `kClose`. Their shapes
+/// may be rotated in their common plane by α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²). A
+/// relative change of K of about a thousandth causes such a rotation. If more than two modes are
+/// close, each mode is rotated with the mode closest to it.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
@@ -110,8 +110,8 @@ class ModalLikelihood {
   };
   [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
                                          Eigen::Index computed, const ModalNoise& noise) const;
-  /// Computes ∂ ln p/∂θ_j for the current matching, from the slopes of the modes. For shapes that
-  /// may be rotated or mixed, the function uses finite differences along these slopes.
+  /// Computes ∂ ln p/∂θ_j for the current matching, from the derivatives `slopes` of the modes. For
+  /// shapes that may be rotated or mixed, uses finite differences in the direction of `slopes`.
   void slope(const fem::ParametricModes::Modes& modes, const fem::ParametricModes::Slopes& slopes,
              const ModalNoise& noise, std::span<double> out) const;
   /// The Gauss-Newton approximation of -∂² ln p/∂θ², from the first derivatives of frequencies and

@@ -14,18 +14,18 @@ namespace wheeltap::identification {
 /// ln p of each measured mode given the other modes at fixed parameters: the log likelihood minus
 /// its value without the mode. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
 ///
-///   r_i | the others ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
+///   r_i | other r_j ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
 ///
-/// shapes are independent of frequencies. `with` lists the modes with measured frequencies, `c` is
-/// their covariance [Hz²]. If modes may be spurious (`data.doubt`), the densities of the matching
-/// are used.
+/// shapes are independent of frequencies. `with` lists the modes with measured frequencies. `c` is
+/// the covariance of these frequencies [Hz²]. If modes may be spurious (`data.doubt`), the result
+/// is the log likelihood of each match in `score`.
 [[nodiscard]] Eigen::VectorXd single_mode_densities(const ModalData& data,
                                                     const std::vector<int>& with,
                                                     const Eigen::MatrixXd& c,
                                                     const ModalLikelihood::Score& score);
 
-/// The posterior without one mode, as weighted draws of the posterior with this mode; the weights
-/// are 1/p of the mode (importance sampling: Gelfand, Dey & Chang 1992).
+/// The posterior without the data of one mode, as weighted draws of the posterior with these data.
+/// The weights are 1/p of the mode (importance sampling: Gelfand, Dey & Chang 1992).
 struct WithoutMode {
   std::vector<double> weights;  ///< one per draw; their sum is 1
   double information = 0.0;     ///< KL(posterior ‖ without) [nats]

@@ -29,7 +29,7 @@ struct FrequencyData {
 ///   f_obs - f(θ) ~ N(0, sd_i²),   sd_i² = σ_i² + σ²_emulator,i(θ) + (discrepancy · f_obs,i)²,
 ///
 /// with σ_i the sd of the measurement, or cv · f_obs,i if the coefficient of variation cv is a
-/// parameter (always the first one). For a mode that was not measured, f(θ) replaces f_obs.
+/// parameter (always the first parameter). For a mode that was not measured, f(θ) replaces f_obs.
 class NoiseModel {
  public:
   explicit NoiseModel(const FrequencyData& data) : data_(&data) {}

@@ -19,9 +19,9 @@
 namespace wheeltap::identification {
 
 /// A reanalysis represents unknown parameters as scales of the whole structure and as low-rank
-/// changes (fem::ScaledStructure), in addition to the changes by damages. Frequencies are therefore
-/// as accurate as for known parameters: their relative error is 1e-9, or the error bound of
-/// fem::StructureReanalysis. A beam whose parameters change only the scales is solved by
+/// changes (fem::ScaledStructure), in addition to the changes due to damages. Frequencies are
+/// therefore as accurate as for known parameters: their relative error is 1e-9, or the error bound
+/// of fem::StructureReanalysis. A beam whose parameters change only the scales is solved by
 /// fem::Reanalysis.
 ///
 /// The object is immutable; each thread needs a separate workspace.
@@ -29,7 +29,8 @@ class ReanalysedModes {
  public:
   /// `modes` is the largest number of elastic modes, `beam` the beam that the nominal structure
   /// represents (or null); `samples` holds parameter values of the model. Returns null if a
-  /// reanalysis cannot represent them. Throws fem::InvalidStructure, std::invalid_argument.
+  /// reanalysis cannot represent these parameters. Throws fem::InvalidStructure,
+  /// std::invalid_argument.
   [[nodiscard]] static std::shared_ptr<const ReanalysedModes> make(
       const std::shared_ptr<const StructureModel>& model, std::vector<DefectKind> kinds, int modes,
       const fem::Beam* beam, std::span<const std::vector<double>> samples);
@@ -48,7 +49,7 @@ class ReanalysedModes {
     std::span<const fem::StructureChange::Mass> masses = {};  ///< added masses
   };
   using Outcome = fem::ScaledStructure::Outcome;
-  /// Computes eigenvalues and shapes at these parameter values of the model.
+  /// Computes eigenvalues and mode shapes for the parameter values `values` of the model.
   Outcome solve(std::span<const double> values, const std::vector<PlacedDefect>& defects,
                 const Wanted& wanted, Workspace& workspace, fem::ParametricModes::Modes& out) const;
 

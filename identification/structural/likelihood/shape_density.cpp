@@ -67,8 +67,8 @@ ShapeDensity::ShapeDensity(VectorXd values, const MatrixXd& covariance)
     if (variance == 0.0) {
       if (tied >= 0 || sigma.row(i).cwiseAbs().maxCoeff() > 0.0)
         refuse(
-            "the covariance must be positive definite (except one entry with variance 0, by which "
-            "the shape was scaled)");
+            "the covariance must be positive definite apart from one row and column of zeros (the "
+            "entry by which the shape was scaled)");
       tied = i;
     } else if (smallest == 0.0 || variance < smallest) {
       smallest = variance;

@@ -13,10 +13,10 @@ namespace wheeltap::identification {
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
 /// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
-/// scaled to exactly 1. For Σ = σ² I it is Watson's density with concentration |ψ|²/(2σ²) (Mardia &
-/// Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
-/// (2000, section 3), who omit the normaliser. At most one entry may have sd 0: the entry by which
-/// the shape was divided.
+/// scaled to exactly 1. For Σ = σ² I, p is the Watson density with concentration |ψ|²/(2σ²)
+/// (Mardia & Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck
+/// & Au (2000, section 3), who omit the normalising factor. At most one entry may have sd 0: the
+/// entry by which the shape was divided.
 ///
 /// If another mode k has nearly the frequency of the computed mode j, the model error may rotate
 /// both in their common plane by an angle α ~ N(0, τ²) of period π (uniform for large τ). Then ψ =
@@ -25,15 +25,17 @@ namespace wheeltap::identification {
 ///   exp(-χ²_plane/2) · √(2π) s · N_π(α̂; 0, τ² + s²),
 ///
 /// with α̂ the best angle, s the sd of α̂ from the noise, and N_π the normal density wrapped at π.
-/// This is the mean of exp(-χ²/2) over α, and at most 1. For τ = 0, it is exp(-χ²/2).
+/// This factor is the mean of exp(-χ²/2) over α, and at most 1. For τ = 0, this mean is exp(-χ²/2).
 ///
-/// If the model error mixes other modes into the computed mode, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
-/// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
+/// The model error may mix other modes into the computed mode: φ_j + Σ_k c_k φ_k with
+/// c_k ~ N(0, τ_k²) (`Mixing`). The term a² Σ_k τ_k² φ_k φ_kᵀ is then added to Σ, where a is the
+/// least-squares amplitude.
 class ShapeDensity {
  public:
-  /// `values` is ψ, of any scale and sign. `covariance` is Σ for ψ scaled to a largest entry of 1:
-  /// m × m, positive definite without an entry of zero variance. Throws std::invalid_argument for
-  /// fewer than 2 entries, non-finite numbers, a zero shape, and an invalid covariance.
+  /// `values` is ψ, of any scale and sign. `covariance` is Σ (m × m) for ψ scaled to a largest
+  /// entry of 1. Without the row and column of an entry of zero variance, Σ must be positive
+  /// definite. Throws std::invalid_argument for fewer than 2 entries, non-finite numbers, a zero
+  /// shape, and an invalid covariance.
   ShapeDensity(Eigen::VectorXd values, const Eigen::MatrixXd& covariance);
 
   struct Comparison {
@@ -62,7 +64,7 @@ class ShapeDensity {
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more, const Eigen::MatrixXd& moved,
                                    Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;
-  /// ∂ log_density/∂φ for the first overload of `against`.
+  /// Returns ∂ log_density/∂φ of the comparison by `against` with the same arguments.
   [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& shape, double scale,
                                       double more) const;
 

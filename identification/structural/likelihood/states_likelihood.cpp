@@ -52,7 +52,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
   const bool pieces = !joined_.stiffness_discrepancy.none();
   if (pieces && matrices)
     throw std::invalid_argument(
-        "a discrepancy of stiffness needs members or a chain: a structure of matrices has none");
+        "a stiffness discrepancy needs members or a chain: a structure of matrices has none");
   for (std::size_t s = 0; s < states_->list.size(); ++s) {
     const ObservedState& state = states_->list[s];
     const auto kin = std::ranges::find(states_->list, state.known, &ObservedState::known);
@@ -105,7 +105,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       }
       if (other.discretisation.strains.size() != intact.discretisation.strains.size())
         throw std::invalid_argument(
-            "with a discrepancy of stiffness, priors of springs and axial forces must exclude 0");
+            "with a stiffness discrepancy, priors of springs and axial forces must exclude 0");
     }
     if (pieces) modes = std::min(available, modes + kOfPieces);
     group.modes = modes;

@@ -27,28 +27,29 @@ namespace wheeltap::identification {
 ///
 /// f_m contains the frequencies of mode m in all states with the same `known`, and 0 elsewhere. A
 /// model error that multiplies a mode's frequency by a factor (discrepancy δ) is common to these
-/// states, so that it does not count as damage. For one state, ln p equals that of ModalLikelihood.
+/// states, and is therefore not attributed to damage. For one state, ln p equals that of
+/// ModalLikelihood.
 ///
 /// The effect of damage on a frequency depends on the shapes. First-order shape errors cause only
 /// second-order frequency errors. Let the model error mix c φ_k into φ_j and -c φ_j into φ_k, c ~
-/// N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ δK_d φ_k,
-/// and λ_k by the opposite amount. For a stiffness loss of rank one, (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
-/// for other losses, the left side is smaller. With Δλ the change from the first healthy state with
-/// the same `known` to a damaged state,
+/// N(0, τ_jk²) (`mixing_sd`). The stiffness change δK_d due to damage then changes λ_j by an
+/// additional 2c φ_jᵀ δK_d φ_k, and λ_k by the opposite amount. For a stiffness loss of rank one,
+/// (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; for other losses, the left side is smaller. Let Δλ be the change
+/// from the first healthy state with the same `known` to a damaged state. The entries of ℓ_jk for
+/// each damaged state are
 ///
-///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
-///   negative at mode k.
+///   +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j,   -2 √|Δλ_j Δλ_k| / (8π² f_k) at mode k.
 ///
 /// The likelihood integrates over stiffness errors of parts of the structure
 /// (`ModalData::stiffness_discrepancy`), jointly for the frequencies and shapes of all states with
 /// the same `known`; see StiffnessErrors.
 ///
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
-/// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
-/// solutions. Without reanalysis, each structure is assembled at θ, changed by its damages and
-/// masses, and solved by SubspaceModes. States that differ only in temperature share a solution.
-/// Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change
-/// only the q_j, for any rank of K_j.
+/// the whole structure are unknown. The constructor compares `kReanalysed` solutions by reanalysis
+/// with full solutions. Without reanalysis, each structure is assembled at θ, changed by its
+/// damages and masses, and solved by SubspaceModes. States that differ only in temperature share
+/// one solution of the eigenvalue problem. Matrices of another program, K = Σ q_j K_j, are solved
+/// by ParametricModes: θ and damages change only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that the constructor compares with full solutions.
@@ -78,12 +79,14 @@ class StatesLikelihood {
   /// C without the errors that states have in common, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
 
-  /// The score of all states, with concatenated matches. `modes` has the modes per state.
+  /// Evaluates the likelihood of all states. The result contains the matches of all states,
+  /// concatenated. `modes` holds the computed modes of each state.
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
   /// Computes ln p from the frequencies alone if there are no shapes and states have no common
-  /// errors; also writes the computed frequencies [Hz]. Returns false if `score` is required.
+  /// errors; also writes the computed frequencies [Hz]. Returns false if the caller must use
+  /// `score` instead.
   bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
                               const ModalNoise& noise, double& log_density,
                               std::vector<double>& frequencies_hz) const;
@@ -136,7 +139,7 @@ class StatesLikelihood {
       const std::vector<PlacedDefect>& defects) const;
 
   /// Comparison with full solutions at `points` prior draws with defects of each kind: largest
-  /// relative error of a frequency, and number of missed modes by Sturm counts.
+  /// relative error of a frequency, and number of missed modes (from Sturm counts).
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
@@ -161,18 +164,20 @@ class StatesLikelihood {
   struct Joint {
     double log_density = 0.0, chi_square = 0.0;
   };
-  /// Integrates over the stiffness errors of all modes except mode `without` (-1: of all).
+  /// Density of the data without mode `without` (-1: of all data), integrated over the stiffness
+  /// errors.
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
-  /// ∂f/∂a_p of the frequencies `with`; the columns are the `errors()` stiffness errors, once for
-  /// each value of `known`.
+  /// ∂f/∂a_p of the frequencies `with`, one row per frequency. For each set of values of `known`,
+  /// there are `errors()` columns, one per stiffness error.
   [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
       const std::vector<int>& with) const;
-  /// C without the effect of stiffness errors.
+  /// The covariance C without the effect of stiffness errors.
   [[nodiscard]] Eigen::MatrixXd covariance_of_noise(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
-  /// Adds the errors that states have in common to C; `with` lists the measured modes.
+  /// Adds the covariance of the errors that several states have in common to C; `with` lists the
+  /// measured modes.
   void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
                   const ModalLikelihood::Score& score, const std::vector<int>& with,
                   Eigen::MatrixXd& covariance) const;
@@ -205,7 +210,8 @@ class StatesLikelihood {
   bool solve_assembled(const Group& group, const std::vector<double>& values,
                        const std::vector<PlacedDefect>& defects, Workspace& workspace,
                        fem::ParametricModes::Modes& out) const;
-  /// Computes the modes of a group; shapes are at the sensors of all its states, concatenated.
+  /// Computes the modes of a group. Each shape lists the components at the sensors of all states of
+  /// the group, one state after the other.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;

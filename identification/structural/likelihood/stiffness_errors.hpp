@@ -28,9 +28,10 @@ class StiffnessPieces {
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
-  /// For a softening that leaves the fraction q of the stiffness of a strain component, this is q
-  /// (1 - q) times its energy before softening. (If a part's flexibility is 1 + a times that of the
-  /// model, the part loses a fraction of stiffness smaller by q (1 - q) a.)
+  /// If a defect reduces the stiffness of a strain component to the fraction q, the sensitivity is
+  /// q (1 - q) times the energy of the component before the reduction. Reason: if the flexibility
+  /// of a part is 1 + a times that of the model, the lost fraction of its stiffness is smaller by q
+  /// (1 - q) a.
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -43,9 +44,9 @@ class StiffnessPieces {
 /// Marginalises the likelihood over stiffness errors. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,
 /// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
-/// so that the likelihood does not attribute stiffness errors to damage. The stiffness that a
-/// damage removes from a part has a separate error, also with the sd σ (`StiffnessPieces::losses`).
-/// With residuals r in units of the noise and their sensitivities X, ln p increases by
+/// so that the likelihood does not attribute stiffness errors to damage. The stiffness that
+/// damage removes from a part has a separate relative error, with sd σ (`StiffnessPieces::losses`).
+/// Let r be residuals in units of the noise, and X their sensitivities. ln p then increases by
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
 ///
@@ -56,7 +57,8 @@ class StiffnessErrors {
 
   /// Adds residuals r and their sensitivities X (residuals × errors).
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
-  /// Terms that are added to ln p and subtracted from χ², for σ > 0.
+  /// Changes due to stiffness errors with σ > 0: `log_density` is added to ln p, and `chi_square`
+  /// is subtracted from χ².
   struct Gain {
     double log_density = 0.0, chi_square = 0.0;
   };

@@ -15,8 +15,8 @@
 
 namespace wheeltap::identification {
 
-/// Data that damage identification and model updating have in common; the problem's likelihood
-/// refers to them. The log likelihood is Σ ln p(data | prediction, noise) over the
+/// Data that damage identification and model updating have in common. The likelihood of `problem`
+/// refers to these data. The log likelihood is Σ ln p(data | prediction, noise) over the
 /// observations.
 struct StructuralProblem {
   using Numbered = std::shared_ptr<const FrequencyObservation>;
@@ -33,7 +33,7 @@ struct StructuralProblem {
     std::size_t first = 0, count = 0;
   };
   std::vector<Placed> observations = {};  ///< data of the case, then added observations
-  /// Position and number of the intact structure's parameters θ in a parameter vector.
+  /// Index of the first parameter θ of the intact structure in a parameter vector, and number of θ.
   int first_theta = 0, structural = 0;
 
   /// True if measured modes are matched to computed modes, not identified by mode number.
@@ -75,7 +75,7 @@ struct StructuralProblem {
   /// arbitrary.
   [[nodiscard]] int measured() const;
 
-  /// The defects in a parameter vector of model m, in the order of kinds.
+  /// The defects in a parameter vector of model m, sorted by kind.
   [[nodiscard]] std::vector<PlacedDefect> components(int m, std::span<const double> x) const {
     std::vector<PlacedDefect> list;
     components(m, x, list);

@@ -1,15 +1,16 @@
 // Check of the mode numbers of measured frequencies if no shapes were measured.
 //
 // Without shapes, the i-th frequency is assigned to the i-th elastic mode. A numbering b_1 < b_2 <
-// … assigns other modes instead. The prior weight of a numbering is a product: a factor 0.05 for
-// each mode that is missed in addition to the known gaps, and 0.1 for each known gap that is not a
-// mode. Under the priors, ln f of the computed modes is approximately normal, N(m, S), estimated
-// from draws, so that
+// … assigns the i-th frequency to mode b_i instead. The prior weight of a numbering is a product of
+// factors: 0.05 for each missed mode beyond the known gaps, and 0.1 for each known gap that
+// corresponds to no mode. Under the priors, ln f of the computed modes has approximately the normal
+// distribution N(m, S). m and S are estimated from draws. The probability density of the data is
+// then
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
-// with a relative model error of 2 %. P(b | data) follows by Bayes' rule. This check of the assumed
-// numbers is not part of the likelihood.
+// where 0.02² is the variance of a relative model error of 2 %. P(b | data) follows by Bayes' rule.
+// P(b | data) only serves as a check of the assumed mode numbers; it is not part of the likelihood.
 #pragma once
 
 #include <optional>

@@ -43,7 +43,7 @@ struct TrueModes {
                                    std::span<const double> parameters, int modes);
 
 /// Simulates the data, with Gaussian noise on frequencies and shape entries. The sds are those of
-/// the data, if specified, or of the simulation. Throws the exceptions of `true_modes`.
+/// the data or, if the data specify none, of the simulation. Throws the exceptions of `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
 
 /// Checks the plausibility of the structure and its sensors (structure_plausibility.hpp).

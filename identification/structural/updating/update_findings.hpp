@@ -27,7 +27,8 @@ struct Contraction {
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that the data cannot distinguish; `correlation` refers to their z in a solution.
+/// Two parameters that the data cannot distinguish; `correlation` is the correlation of the
+/// coordinates z of both parameters in a solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
@@ -69,12 +70,12 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// True if the mode deviates by more than the stated standard deviations allow: frequency by 3
-  /// sd, or shape with p below 1e-3. False for spurious modes.
+  /// True if the mode deviates by more than the stated standard deviations allow: its frequency by
+  /// more than 3 sd, or its shape with p below 1e-3. False for spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
-/// The prediction of a mode that the update did not use.
+/// The prediction of a mode that was not used for the update.
 struct PredictedMode {
   int mode = 0;  ///< number of the elastic mode, from 1
   Marginal frequency_hz = {};

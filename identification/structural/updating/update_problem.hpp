@@ -20,12 +20,13 @@ struct UpdateProblem : StructuralProblem {
 
   /// Noise parameters at x, including the emulator's error variance at x.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
-  /// The reduced basis that computes the predictions; null if another model does.
+  /// The reduced basis that computes the predictions; null if another model computes them.
   [[nodiscard]] const fem::ParametricModes* basis() const {
     const auto* by = dynamic_cast<const BasisModel*>(model.get());
     return by == nullptr ? nullptr : &by->basis();
   }
-  /// The external program or server that computes the predictions; null if another model does.
+  /// The external program or server that computes the predictions; null if another model computes
+  /// them.
   [[nodiscard]] const OutsidePredictor* program() const {
     const auto* by = dynamic_cast<const OutsideModes*>(model.get());
     return by == nullptr ? nullptr : &by->predictor();
@@ -46,10 +47,10 @@ struct UpdateProblemOptions {
 };
 
 /// Makes the problem and trains the reduced basis. The relative error of eigenvalues is at most
-/// 0.002 times the smallest relative sd of a frequency, limited to 1e-8 … 1e-5. The error of shapes
-/// is at most a fifth of their sd. If the basis is less accurate, full solutions replace it. Throws
-/// std::invalid_argument for inconsistent data and for more modes than the structure has; throws
-/// fem::InvalidStructure, OutsideModelError.
+/// 0.002 times the smallest relative sd of a frequency, limited to 1e-8 … 1e-5. The error of a
+/// shape is at most a fifth of the smallest sd of a shape, limited to 1e-4 … 1e-2. If the basis is
+/// less accurate, full solutions are used. Throws std::invalid_argument for inconsistent data and
+/// for more modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 

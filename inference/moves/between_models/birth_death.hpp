@@ -19,12 +19,13 @@ namespace wheeltap::inference {
 ///
 ///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
 ///
-/// Without fitted proposals, p_i = 1/(k+1). With fitted proposals, and q_k the density fitted to
-/// the smaller model,
+/// Without fitted proposals, p_i = 1/(k+1). With fitted proposals, p_i depends on the density q_k
+/// that is fitted to the smaller model:
 ///
 ///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
 ///
-/// a death prefers the component whose removal leaves a probable state of the smaller model.
+/// A death therefore tends to remove a component whose removal leaves a probable state of the
+/// smaller model.
 class BirthDeath : public Move {
  public:
   BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
@@ -46,13 +47,13 @@ class BirthDeath : public Move {
   std::vector<double> component_, rest_, probability_;
 };
 
-/// Removes one component, chosen uniformly, and inserts a component at another location:
+/// Removes one component, chosen uniformly, and inserts a new component at another location:
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c follows from the table (InformedProposal). This residual is computed from
-/// the current state for the forward density, and from the proposed state for the reverse density.
-/// Each density therefore depends on one state only.
+/// The residual of the set without c follows from the table of effects (InformedProposal). This
+/// residual is computed from the current state for the forward density, and from the proposed state
+/// for the reverse density. Each density therefore depends on one state only.
 class Relocation : public Move {
  public:
   Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)

@@ -17,8 +17,9 @@ class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
 
-  /// Prepares the proposal for a component added to the state `context`; if `skip` >= 0, to
-  /// `context` without component `skip` of `kind`. `beta` tempers the influence of the residual.
+  /// Prepares the proposal of a component that is added to the state `context`. If `skip` >= 0,
+  /// component `skip` of `kind` is first removed from `context`. `beta` is the inverse temperature,
+  /// which reduces the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws the coordinates z of a component from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
@@ -26,7 +27,7 @@ class ComponentProposal {
   [[nodiscard]] virtual double log_density_ratio(std::span<const double> z) const = 0;
 };
 
-/// Proposes from the prior: the ratio is 1.
+/// Proposes from the prior, so that the density ratio is 1.
 class PriorProposal : public ComponentProposal {
  public:
   void condition(const State&, int, int, double) override {}
@@ -58,8 +59,8 @@ struct EffectAtlas {
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
 
-/// Computes the table of `kind`. Null if the likelihood gives no residuals, or if no two models
-/// differ only in that one has no component and the other has one component of this kind.
+/// Computes the table of `kind`. Null if the likelihood gives no residuals. Also null if no two
+/// models differ only in having 0 and 1 components of this kind.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
 /// Informed birth. If r is the residual of the state, a new component in cell c changes r to about
@@ -68,8 +69,9 @@ struct EffectAtlas {
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),
 /// and draws the parameters of the component from the prior within this cell.
 ///
-/// Because of the term with ε, every location can be proposed. To leave out one component of the
-/// state, its effect is first subtracted from the residual.
+/// Because of the term with ε, every location can be proposed. If `condition` excludes the
+/// component `skip` of the state, the effect of this component is first subtracted from the
+/// residual.
 class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);

@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 
 /// The pilot mixture of the model with one more component, Σ_l w_l N(z; μ_l, Σ_l), conditioned on
-/// the current set. With z_I the coordinates of the set and J the coordinates of component j,
+/// the current set of components. With z_I the coordinates of the set and J those of component j,
 ///
 ///   q(c) = ε φ(c) + (1 - ε) Σ_{j,l} p(j, l | z_I) N(c; μ_J + Σ_JI Σ_II⁻¹ (z_I - μ_I),
 ///                                                      Σ_JJ - Σ_JI Σ_II⁻¹ Σ_IJ),

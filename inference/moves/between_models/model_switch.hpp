@@ -10,9 +10,9 @@ namespace wheeltap::inference {
 ///
 ///   ln ratio = Σ_lost ln φ(z) - Σ_new ln φ(z')         |J| = 1.
 ///
-/// This is the nested map of Transformation with the prior as density g. The move is efficient at
-/// high temperature, where the prior is a good proposal, and between models that share most
-/// parameters.
+/// This map is Transformation::nested with the priors of the new parameters instead of N(μ, σ²).
+/// The move is efficient at high temperature, where the prior is a good proposal, and between
+/// models that share most parameters.
 class ModelSwitch : public Move {
  public:
   std::optional<double> propose(const State& from, const Step& step, State& to) override;

@@ -12,9 +12,9 @@ namespace wheeltap::inference {
 ///   a_i₁ = s_i a_i, a_i₂ = (1 - s_i) a_i,   s_i ~ U(0, 1),
 ///
 /// and two neighbours merge by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If
-/// effects combine by multiplication, 1 - a is the fraction that a component leaves, and -ln(1 - a)
-/// replaces a. A split chooses one of k components, and a merge one of the k neighbouring pairs of
-/// k + 1 components, so these probabilities cancel:
+/// the effects of components multiply, -ln(1 - a) replaces a, where 1 - a is the fraction that
+/// remains after a component. A split chooses one of k components, and a merge one of the k
+/// neighbouring pairs of k + 1 components, so these probabilities cancel:
 ///
 ///   ln ratio(split) = - ln g(w) + ln |J| + Σ ln |dz'/dx'| - Σ ln |dz/dx|,     |J| = 2 ∏ |a_i|.
 class SplitMerge : public Move {

@@ -28,8 +28,8 @@ class Transformation : public Move {
     std::vector<Prior> lower_auxiliaries;  ///< g
     std::vector<Prior> upper_auxiliaries;  ///< densities g' of the auxiliary variables u'
     Map forward;                           ///< map from `lower` to `upper`
-    /// Map from `upper` to `lower`. The map returns its own ln |J|, which is minus the ln |J| of
-    /// `forward`.
+    /// Map from `upper` to `lower`. The map returns the ln |J| of the inverse map, which is minus
+    /// the ln |J| of `forward`.
     Map inverse;
   };
 
@@ -40,8 +40,8 @@ class Transformation : public Move {
   /// by more than 10⁻⁸ of the size of x, or the two log-Jacobians do not cancel.
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
-  /// The nested map (Tiboaca 2016, thesis, section 4.2): shared parameters are kept, and the one
-  /// additional parameter of the larger model is μ + λ with λ ~ N(0, σ²); |J| = 1. The user must
+  /// The nested map (Tiboaca 2016, thesis, section 4.2): shared parameters are kept, and |J| = 1.
+  /// The one additional parameter of the larger model is μ + λ with λ ~ N(0, σ²). The user must
   /// choose the width σ, so the engine does not use this move by default.
   [[nodiscard]] static Definition nested(const ModelSpace& space, int lower, int upper, double mean,
                                          double sd);

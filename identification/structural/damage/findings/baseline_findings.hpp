@@ -30,7 +30,7 @@ struct BaselineFindings {
                                                  const inference::Posterior& posterior);
 
 /// Computes the contraction (1 - variance of z), the mean of z, and the bound of the prior at which
-/// the draws x pile up; z: standard normal coordinate of x.
+/// the draws x pile up. z are the standard normal coordinates of x.
 [[nodiscard]] Contraction contraction_of(std::string name, const inference::Prior& prior,
                                          std::span<const double> x, std::span<const double> z,
                                          std::span<const double> weights);

@@ -97,7 +97,7 @@ struct EmulatorFinding {
 struct DamageFindings : Findings {
   std::vector<KindFinding> kinds;
   /// For a symmetric beam, one entry per model: locations are measured from the nearer end, and
-  /// components are sorted by this distance. Unfolded estimates would average over mirror images.
+  /// components are sorted by this distance. Otherwise, means would average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
   std::vector<MergedFinding> merged;  ///< merged damages, for kinds whose damages cover a fixed
                                       ///< length
@@ -112,7 +112,7 @@ struct DamageFindings : Findings {
     const auto found = std::ranges::find(merged, kind, &MergedFinding::kind);
     return found == merged.end() ? nullptr : &*found;
   }
-  /// The estimates of a model's defects that are reported: `folded` if available.
+  /// Returns the estimates of a model's defects for the output: `folded` if available.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {
     return !folded.empty() && !folded[model].empty() ? folded[model] : models[model].parameters;
   }
@@ -129,8 +129,8 @@ struct DamageFindings : Findings {
 
 /// Error variances [Hz²] of the emulator for consecutive draws, one per mode; empty if the
 /// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and at the first
-/// draw of each model. Other draws reuse the last result for their model. The problem must outlive
-/// this object.
+/// draw of each model. For all other draws, the last result for the same model is used. The problem
+/// must outlive this object.
 class EmulatorVariances {
  public:
   explicit EmulatorVariances(const DamageProblem& problem);

@@ -20,7 +20,7 @@ class SingleModes {
   /// Adds a draw of `model` with weight `weight`. `log_densities` has one entry per mode; entries
   /// of unmeasured modes are ignored.
   void pass(int model, double weight, const std::vector<double>& log_densities);
-  /// Adds a draw x with its score, for a problem with matched modes (`by_modes`).
+  /// Adds a draw x with its scored modes, for a problem with matched modes (`by_modes`).
   void pass(int model, double weight, std::span<const double> x,
             const ModeObservation::Scored& scored);
   /// Writes the results. `winner` is the most probable model.
@@ -37,7 +37,7 @@ class SingleModes {
 /// Returns a function that replicates the measured frequencies [Hz] at a draw (chain, draw) of the
 /// posterior: f_m(θ) + s_m(θ) e, with e standard normal (from `seed`) and s_m the standard
 /// deviation of the likelihood's noise model. Call the function in the order of the draws. The
-/// problem and the posterior must outlive the function.
+/// problem and the posterior must outlive the returned function.
 [[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
     const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 

@@ -19,7 +19,7 @@ struct Shift {
 struct EmulatorCheck {
   struct OfModel {
     Shift probability;
-    /// True if the model has a probability of at least 5 %, so that its parameters are compared
+    /// True if the parameters of the model are compared, because its probability is at least 5 %
     bool compared = false;
     std::vector<Shift> means;  ///< one per parameter
   };

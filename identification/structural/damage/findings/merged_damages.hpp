@@ -1,15 +1,15 @@
 // Adjacent damages that act as one longer damage. The number of adjacent damages depends on the
 // length that one damage covers (for example an element) and not on the data.
 //
-// A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
-// the lowest orders of the ratio of l to the wavelength of the mode, frequencies depend only on the
-// sum, centre and spread of the c_i of the damages i. Two damages are replaced by one damage of
-// length L with the same sum, centre and spread,
+// A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). In
+// the lowest orders of l divided by the wavelength of the mode, frequencies depend only on the sum,
+// centre and spread of the c_i of the damages i. Two damages are replaced by one damage of length L
+// with the same sum, centre and spread,
 //
-//   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
+//   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i.
 //
-// if its log likelihood is at most 2 below the log likelihood of the two damages (half the 95 %
-// quantile of χ² with one degree of freedom).
+// The log likelihood with this one damage must be at most 2 below the log likelihood with the two
+// damages (2 is about half the 95 % quantile of χ² with one degree of freedom).
 #pragma once
 
 #include <optional>
@@ -20,12 +20,12 @@
 
 namespace wheeltap::identification {
 
-/// Draws of one model in which damages of a kind are merged.
+/// Draws of one model in which adjacent damages of one kind are merged into one longer damage.
 struct MergedModel {
   int model = 0;
   double merged = 0.0;  ///< fraction of draws in which damages were merged
   int count = 0;        ///< most frequent number of damages after merging
-  // The longest merged damage in each of these draws, on the member where it occurs most often:
+  // The longest merged damage of each draw, on the member where it is most frequent:
   int stretch = 0;
   double fixed = 0.0;                   ///< length that one damage covers on this member [m]
   Marginal location = {}, length = {};  ///< centre and length of the merged damage [m]
@@ -46,12 +46,12 @@ struct MergedFinding {
 
 /// True if damages of the kind have a fixed length: the length of an element, or a given extent.
 [[nodiscard]] bool has_fixed_extent(const DefectKind& kind);
-/// The length [m] of a damage at `location` on the kind's line [m].
+/// The length [m] of a damage at `location` [m], measured along the SiteLine of the kind.
 [[nodiscard]] double fixed_extent(const DefectKind& kind, double location);
 
-/// Merges damages in about 200 draws of each model with two or more damages. A merged damage may be
-/// as long as a quarter of the member. The result is empty if the kind has no fixed extent, no
-/// probable model with two or more damages has draws, or DamageProblem::as_case is false.
+/// Merges damages in about 200 draws of each model with two or more damages. A merged damage has at
+/// most a quarter of the length of the member. The result is empty if the kind has no fixed extent,
+/// no probable model with two or more damages has draws, or DamageProblem::as_case is false.
 [[nodiscard]] std::optional<MergedFinding> merged_damages(const UnpackedDraws& draws,
                                                           const std::vector<ModelFinding>& models,
                                                           int kind);

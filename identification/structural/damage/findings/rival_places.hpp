@@ -17,8 +17,9 @@ struct PlaceProbabilities {
 
 /// Finds groups of locations that exclude each other. In a group, each location is damaged with a
 /// probability of at least 5 %. The probability that both locations of a pair are damaged is at
-/// most a tenth of the smaller probability. The total probability of a group is at least one half.
-/// Groups and locations are sorted, most probable first; a location is in at most one group.
+/// most a tenth of the smaller of the two single probabilities. The total probability of a group is
+/// at least one half. Groups and locations are sorted, most probable first; a location is in at
+/// most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
 /// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups whose

@@ -17,7 +17,7 @@ namespace wheeltap::identification {
 /// if the chains mix between images.
 [[nodiscard]] inference::ChainsOf left_less_right(const UnpackedDraws& draws);
 
-/// Summarises `difference` (`left_less_right`), and adds remarks if necessary.
+/// Summarises `difference`, the result of `left_less_right`. Adds remarks if necessary.
 [[nodiscard]] SymmetryFinding symmetry(const UnpackedDraws& draws,
                                        const inference::ChainsOf& difference,
                                        std::vector<Remark>& remarks);

@@ -11,7 +11,7 @@
 
 namespace wheeltap::identification {
 
-/// The report does not describe numbers of defects with a smaller probability
+/// The report omits numbers of defects with a probability below this value
 inline constexpr double kWorthReporting = 0.05;
 
 /// Converts draws to lists of defects. Both arguments must outlive the object. Not thread-safe.
