@@ -33,8 +33,8 @@ void parse_extent(const CaseFile& file, const Pointer& where, double most,
 [[nodiscard]] double true_extent(const CaseFile& file, const Pointer& where,
                                  const identification::DefectKind& kind);
 
-/// The law between crack depth and spring stiffness that the crack at `where` names, or the
-/// default. Throws Failure for an unknown name.
+/// Returns the relation between crack depth and spring stiffness that the case gives for the crack
+/// at `where`, or the default relation. Throws Failure for an unknown name.
 [[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 
 /// Parses the kinds of defect of a structure, with their possible sites. Throws Failure.

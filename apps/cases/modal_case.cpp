@@ -84,8 +84,8 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   }
   if (foreign && !known.empty())
     file.refuse(out.places[*foreign] / "scale",
-                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-                    ", an unknown unit, but the unit of " + known.front() +
+                "is missing: the unit of this channel, " + out.channels[*foreign].conversion.unit +
+                    ", is unknown, but the unit of " + known.front() +
                     " is known. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
@@ -278,10 +278,12 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
         file.refuse(where / key,
-                    "needs a record: without channels, Wheeltap uses the FRFs of the file");
+                    "applies to time records only. The case lists no channels of a record, so "
+                    "Wheeltap uses the FRFs of the file. Remove this key");
     if (file.json.contains("segment"))
       file.refuse(Pointer("/segment"),
-                  "needs a record: the file contains frequency response functions");
+                  "applies to time records only. The case lists no channels of a record, so "
+                  "Wheeltap uses the FRFs of the file. Remove this key");
     read_responses(file, out);
     return out;
   }

@@ -587,8 +587,8 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
       if (used[other]) names.push_back(out.sid.parameters[other].name);
     const std::string& name = out.sid.parameters[p].name;
     out.file.refuse(Pointer("/parameters") / name,
-                    "this parameter is not used: write the name of the parameter in place of a "
-                    "number, or remove the parameter (used are: " +
+                    "this parameter is not used: write its name in place of a number of the "
+                    "model, or remove the parameter (parameters in use: " +
                         listed(names) + ")");
   }
   if (needs == SidNeeds::record) check_windows(out);

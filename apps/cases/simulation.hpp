@@ -20,8 +20,8 @@ struct SimulatedCase {
   std::string origin;  ///< description of the origin of the data
 };
 /// simulated_update simulates the data of an update case; simulated_damage simulates the data of a
-/// damage case. `seed` is the seed of the noise. If `seed` is empty, the seed of the truth is used;
-/// its default is 1. Both functions throw Failure.
+/// damage case. `seed` is the seed of the noise. If `seed` is empty, the functions use
+/// the key "seed" of "truth" (default 1). Both functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
 /// The case with the frequencies of `data` and, if the case has sensors, the mode shapes of `data`.

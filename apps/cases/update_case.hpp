@@ -22,8 +22,8 @@ enum class UpdateNeeds {
   data        ///< measured modes, or a truth from which modes are simulated
 };
 
-/// Validates and parses a case. If the case has a truth and no modes, the data are simulated with
-/// `seed`, or with the seed of the truth. Throws Failure.
+/// Validates and parses a case. If the case has "truth" and no modes, the function simulates the
+/// data with `seed`. If `seed` is empty, it uses the key "seed" of "truth". Throws Failure.
 [[nodiscard]] UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs = UpdateNeeds::data,
                                                std::optional<std::uint64_t> seed = {});
 

@@ -17,8 +17,8 @@ using fem::StructureDrawing;
 using identification::drawn;
 
 /// Returns the location and the direction of the largest motion in a mode shape. A node is
-/// preferred if its motion is within 1 % of the largest motion: "beam at 0.5 m, y", "node B, x and
-/// y", "rotation of post at 0.5 m about y".
+/// preferred if its motion is within 1 % of the largest motion. Examples of results: "beam at
+/// 0.5 m, y", "node B, x and y", "rotation of post at 0.5 m about y".
 [[nodiscard]] std::string largest_motion(const StructureDrawing& drawing,
                                          const Eigen::VectorXd& shape);
 

@@ -95,8 +95,8 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
                " ms per solution");
   if (basis.beyond > 0)
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
-               " draws of the prior are outside the basis and need full solutions: this may take "
-               "a long time");
+               " draws of the prior exceed the error tolerance of the reduced basis and need full "
+               "solutions: this may take a long time");
   if (parsed.outside) return tell_of_outside(parsed, problem, watch);
   for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
 }

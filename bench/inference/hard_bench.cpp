@@ -120,7 +120,8 @@ class Galaxies : public Likelihood {
 // last sweep only.
 class MixtureGibbs : public Move {
  public:
-  /// Work of the move in likelihood evaluations: computed densities / densities of one evaluation.
+  /// Work of the move in likelihood evaluations: the number of density evaluations of the move
+  /// divided by the number of density evaluations in one likelihood evaluation.
   struct Work {
     std::atomic<long> steps = 0;
     std::atomic<double> calls = 0.0;
@@ -365,7 +366,7 @@ void galaxies(benchmark::State& state) {
     }
     worst.report(state);
     const ChainsOf k = of_models(posterior, [](int m) { return static_cast<double>(m); });
-    // The densities that the move itself computes count as likelihood evaluations, too.
+    // The density evaluations of the move itself also count as likelihood evaluations.
     double calls = calls_after_warmup(posterior);
     for (const MoveStatistics& move : posterior.moves) {
       if (move.name == "telescoping Gibbs")

@@ -2,7 +2,8 @@
 // instruction set of this processor. If likelihoods are cheap, such passes take most of the warm-up
 // time.
 //
-// `component_s` is the number of densities and moments of one component at one sample per second.
+// `component_s` is a rate: evaluations per second of the density and the moments of one component
+// at one sample.
 // All instruction sets give bitwise equal results, so only the ratio of their rates within one run
 // matters. Registers of twice the width can at most double the rate.
 #include <benchmark/benchmark.h>

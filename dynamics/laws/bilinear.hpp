@@ -6,13 +6,15 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// A bilinear spring, for example a crack that transmits force in one direction only: T = k max(0,
-/// e) for side = "opening", T = k min(0, e) for side = "closing".
+/// A unilateral spring, for example a crack that transmits force only if closed:
+/// T = k max(0, e) for side = "opening", T = k min(0, e) for side = "closing".
 struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",
       .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
-      .description = "a spring for one sign of e, e.g. a crack that transmits force if closed",
+      .description =
+          "a unilateral spring (acts for one sign of e only), e.g. a crack that "
+          "transmits force only if closed",
       .notes =
           "The key `stiffness` of the link acts for both signs of e. This law adds the stiffness "
           "kb for one sign of e. A negative kb makes the link softer for this sign.",

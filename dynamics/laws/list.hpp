@@ -10,8 +10,8 @@
 //   kPower                   the power 2 or 3 of the extension: T = c[0] e² or T = c[0] e³
 //   threshold(c)             spring beyond a threshold: T_open = c[0] max(0, e - threshold)
 //   friction(c)              dry friction: the force at which the link slips
-//   kCreep                   dry friction: index of the creep speed; the law is exact if the creep
-//                            speed is the constant 0, and regularised for any other creep speed
+//   kCreep                   dry friction: index of the creep speed. A constant 0 gives the exact
+//                            (non-smooth) law; any other creep speed gives a regularised law
 //
 // A force law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
 // memory_rate(c, e, ė, ζ) = ζ̇. A force law sets `kInfo.paced` if its damping rate or the rate of

@@ -84,12 +84,12 @@ class Reanalysis {
   /// Here, k is the stiffness of the stiffest added spring, k_beam is the stiffness of the beam at
   /// this spring, and λ_1 is the lowest elastic eigenvalue of the intact beam. The most damaged
   /// element keeps the fraction q = Π (1 - r) of its stiffness. The last term of the error bound is
-  /// relevant only in two cases. In the first case, added supports restrain a free beam, and
-  /// compliances of hinges and soft springs nearly cancel those of the supports. In the second
-  /// case, the number of modes of the finite-element model only slightly exceeds the number of
-  /// strain-displacement vectors of the damaged elements. The form of this error bound follows from
-  /// an analysis of rounding errors. The factors of the bound are chosen such that the bound holds
-  /// for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// relevant only in two cases. In the first case, added supports restrain a free beam, and the
+  /// effect of hinges and soft springs on the compliance nearly cancels that of the supports. In
+  /// the second case, the number of modes of the finite-element model only slightly exceeds the
+  /// number of strain-displacement vectors of the damaged elements. The form of this error bound
+  /// follows from an analysis of rounding errors. The factors of the bound are chosen such that the
+  /// bound holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;

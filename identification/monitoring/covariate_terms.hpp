@@ -4,12 +4,12 @@
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   u_cold = max over c of (low_c - v_c)+,   u_warm = max over c of (v_c - high_c)+
 //
-// Each of the last four entries stands for kUnseenSegments terms: the lengths of u within the
-// segments between kUnseenKnots. The weighted sum of these terms is piecewise linear in u, with one
-// slope per segment. The "long" terms use v with the lag kLongLagHours, for example for frozen
-// ground. All these terms are zero in the training period, so training does not change the priors
-// of their coefficients. Prediction intervals are wider outside the training period, and widen
-// again in each new segment.
+// Each of the last four entries is expanded into kUnseenSegments terms. Each term is the part of u
+// in one of the segments between kUnseenKnots. The weighted sum of these terms is piecewise
+// linear in u, with one slope per segment. The "long" terms use v with the lag kLongLagHours, for
+// example for frozen ground. All these terms are zero in the training period, so training does not
+// change the priors of their coefficients. Prediction intervals are wider outside the training
+// period, and widen again in each new segment.
 #pragma once
 
 #include <concepts>

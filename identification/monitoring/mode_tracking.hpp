@@ -48,7 +48,8 @@ struct TrackingOptions {
 
 struct TrackedMode {
   double log_frequency = 0.0;  ///< median of ln f in the training records
-  /// Sd of ln f about its prediction, without the contribution of the identification error
+  /// Standard deviation of ln f about its prediction, without the contribution of the
+  /// identification error
   double scatter = 0.01;
   double discrepancy = 0.02;  ///< mean of 1 - MAC in training
   double detection = 0.9;     ///< D

@@ -25,9 +25,9 @@ struct Rectangle {
 [[nodiscard]] double value_at(const Quadratic& q, const std::array<double, 2>& point);
 
 /// ln ∫∫ exp(q) over the rectangle; `best` is its best_point. The integral has a closed form if, at
-/// all relevant values of one variable, practically the whole normal density of the other variable
-/// is inside the rectangle. In all other cases, the integral along y has a closed form, and 12-node
-/// Gauss-Legendre quadrature along x has a relative error below 1e-4.
+/// all relevant values of one variable, the rectangle contains nearly all the conditional
+/// probability mass of the other variable. In all other cases, the integral along y has a closed
+/// form, and 12-node Gauss-Legendre quadrature along x has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
 

@@ -174,9 +174,9 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   /// Adds the effect of noise and scale parameters on ln p for fixed residuals (the first entry of
-  /// residuals_). The curvature for an sd is that of the chord to its best value given the
-  /// residuals, at distance ln √(S/N). Second differences give the curvature for parameters of
-  /// residual models.
+  /// residuals_). The curvature for a standard deviation is that of the chord to its
+  /// maximum-likelihood estimate for these residuals, at distance ln √(S/N). Second differences
+  /// give the curvature for parameters of residual models.
   void add_noise(const SidModel& model, const Misfit& misfit, std::span<const double> x,
                  std::span<const double> steps, std::span<double> gradient,
                  std::span<double> information) {

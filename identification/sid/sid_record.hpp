@@ -12,7 +12,8 @@
 
 namespace wheeltap::identification {
 
-/// The part of a record to score, and the interpolation of its excitations.
+/// The samples of a record that the likelihood uses (the scored samples), and the interpolation of
+/// its excitations.
 struct RecordUse {
   /// Stated sampling rate; must agree with a time column
   std::optional<double> sample_rate_hz = {};

@@ -41,7 +41,7 @@ struct ConvergenceLimits {
   double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
   /// density to mixture density is above `beyond_mixture`. If the fraction of draws outside exceeds
-  /// `beyond_share`, the effective number of visits to the region outside must be at least
+  /// `beyond_share`, the number of independent visits to the region outside must be at least
   /// `beyond_visits`. The relative error of the fraction is then 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
   /// `annealed_share` is the limit of annealed_excess: the fraction of SMC draws outside the

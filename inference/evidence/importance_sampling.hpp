@@ -20,7 +20,7 @@ struct ImportanceOptions {
 
 struct ImportanceSampling {
   Evidence evidence;
-  double effective_draws = 0.0;  ///< effective number of draws, (Σw)² / Σw²
+  double effective_draws = 0.0;  ///< effective sample size, (Σw)² / Σw²
   double pareto_k = 0.0;         ///< Pareto shape of the weights (pareto_shape)
 };
 

@@ -34,7 +34,7 @@ class MultipleImportanceSampler {
   void add(const NormalMixture& proposal, int n);
 
   [[nodiscard]] double effective_draws() const { return effective_; }
-  /// Effective number of draws divided by the number of draws.
+  /// Effective sample size divided by the number of draws.
   [[nodiscard]] double efficiency() const;
   [[nodiscard]] long evaluations() const { return evaluations_; }
   /// Normalised weights of the draws. All weights are 0 if no draw has a positive posterior

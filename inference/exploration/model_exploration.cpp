@@ -25,7 +25,7 @@ constexpr std::size_t kClimbsOnTheWay = 24;  // climbs from draws of an incomple
 constexpr std::size_t kLaplace = 40;         // largest number of modes in the mixture
 constexpr double kDefensive = 0.05;          // weight of the prior in the mixture
 constexpr double kWider = 1.5;  // factor on the variances of the modes' normals in a proposal
-// If the effective number of draws exceeds this share of the draws, no further round follows.
+// If the effective sample size exceeds this fraction of the draws, no further round follows.
 constexpr double kGoodShare = 0.5;
 // The same for a costly likelihood, for this number of effective draws per dimension.
 constexpr double kGoodNumber = 80.0;

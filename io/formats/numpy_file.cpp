@@ -68,7 +68,7 @@ class NumpyHeader {
     std::string_view text = value("shape");
     const std::size_t end = text.find(')');
     if (!text.starts_with('(') || end == std::string_view::npos)
-      corrupt("is corrupt: its shape is not a list");
+      corrupt("is corrupt: its array shape is not a list");
     text = text.substr(1, end - 1);
     std::vector<std::size_t> out;
     while (true) {
@@ -77,7 +77,7 @@ class NumpyHeader {
       std::size_t length = 0;
       const auto [rest, error] =
           std::from_chars(text.data() + from, text.data() + text.size(), length);
-      if (error != std::errc()) corrupt("is corrupt: its shape is out of range");
+      if (error != std::errc()) corrupt("is corrupt: its array shape is out of range");
       out.push_back(length);
       text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
       if (out.size() > kMostDimensions)

@@ -309,7 +309,7 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
   if (format != "coordinate" && format != "array")
     lines.fail("'" + format + "' must be coordinate or array");
   if (field != "real" && field != "integer" && !(field == "pattern" && format == "coordinate"))
-    lines.fail("'" + field + "' must be real, integer or (of coordinates) pattern");
+    lines.fail("'" + field + "' must be real, integer or, in coordinate format, pattern");
   if (symmetry != "general" && symmetry != "symmetric")
     lines.fail("'" + symmetry + "' must be general or symmetric");
   const bool coordinates = format == "coordinate", symmetric = symmetry == "symmetric";

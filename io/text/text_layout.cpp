@@ -233,8 +233,8 @@ class Finder {
         throw UnclearLayout(line,
                             "commas are decimal marks and column separators, so the numbers are "
                             "ambiguous. Export the file with semicolons or "
-                            "tabs between columns, or state \"separator\": \",\" if all commas "
-                            "separate whole numbers");
+                            "tabs between columns, or state \"separator\": \",\" if no comma is a "
+                            "decimal comma");
     }
   }
 

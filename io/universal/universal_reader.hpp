@@ -45,7 +45,7 @@ inline std::string_view field(std::string_view line, std::size_t from, std::size
   return from >= line.size() ? std::string_view() : line.substr(from, width);
 }
 
-/// The lines of a file with their numbers for messages, and its bytes for dataset 58b.
+/// The lines of a file with line numbers for error messages, and its raw bytes for dataset 58b.
 class Reader {
  public:
   Reader(const std::string& bytes, const std::filesystem::path& name)

@@ -301,7 +301,7 @@ TEST(StructureSection, Refusals) {
   json arm = cantilever_in_space();
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moment", 1}, {"shear_coefficient", 1}};
-  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in dimension 3");
+  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in a three-dimensional structure");
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moments", {{"yy", 1}, {"zz", 1}}}, {"shear_coefficient", 1}};
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
@@ -332,7 +332,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
                  "/structure/members/1/ends/D: \"hinge\": is not an end node of this member");
   expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
-                 "in dimension 2, an end has \"rotation\"");
+                 "in a plane structure, the only key of an end is \"rotation\"");
   expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
                  "/structure/members/1/ends/B/rotation: -1");
   expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
@@ -365,7 +365,7 @@ TEST(StructureCase, RefusesWhatIsWrongAtANode) {
   expect_refused(changed("/structure/masses/0/mass", -2),
                  "/structure/masses/0/mass: -2: must be >= 0");
   expect_refused(changed("/structure/masses/0/inertia", {1, 1, 1}),
-                 "/structure/masses/0/inertia: [1,1,1]: in dimension 2");
+                 "/structure/masses/0/inertia: [1,1,1]: in a plane structure");
   expect_refused(changed("/structure/springs/0", {{"node", "B"}, {"stiffness", 1}}),
                  "/structure/springs/0/direction: is missing");
   expect_refused(changed("/structure/springs/0", {{"stiffness", 1}}),

@@ -22,7 +22,7 @@ using dynamics::Coefficient, dynamics::make_law;
 constexpr int kWindows = 8;
 constexpr int kGuides = 800,
               kShortWindow = 250;  // samples per window: 8 s, at least ten periods; 2.5 s
-constexpr int kLong = 100000;      // samples of the record for the best values
+constexpr int kLong = 100000;      // samples of the long record for reference estimates
 constexpr int kUnknowns = 2;       // k and c
 
 struct Truth {
@@ -73,8 +73,8 @@ struct Held {
   std::array<int, kUnknowns> next{}, of{};
 };
 
-/// Whether the intervals from one record contain the best values of a far longer record and the
-/// values of the windows of another record.
+/// Whether the intervals from one record contain the estimates from a far longer record and the
+/// estimates from the windows of another record.
 Held held(int chain, int window) {
   const Truth truth = random_truth(chain);
   const auto seed = static_cast<std::uint64_t>(1000 + 10 * chain);
@@ -129,9 +129,9 @@ std::array<Total, kUnknowns> study(int chains, int window) {
       t.whole += h.whole[i], t.run += h.run[i], t.next += h.next[i], t.of += h.of[i];
     }
     std::printf(
-        "%s, windows of %.1f s: nominal 90 %% of the whole held the best value of a long record in "
-        "%d of %d chains, of the run by itself (white residuals) in %d; of the next window %d of "
-        "%d others\n",
+        "%s, windows of %.1f s: the nominal 90 %% interval of the whole record contained the "
+        "estimate from a long record for %d of %d chains; the interval of the run by itself (white "
+        "residuals), for %d; the interval for the next window contained %d of %d estimates\n",
         i == 0 ? "k" : "c", 0.01 * window, t.whole, chains, t.run, t.next, t.of);
   }
   return out;

@@ -18,7 +18,7 @@ struct SimulatedTable {
 };
 
 /// Simulates the table of a monitor case with "truth"; the file of the table need not exist. If
-/// `seed` is empty, the seed of the truth is used; its default is 1. Throws Failure (65).
+/// `seed` is empty, the function uses the key "seed" of "truth" (default 1). Throws Failure (65).
 [[nodiscard]] SimulatedTable simulated_table(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

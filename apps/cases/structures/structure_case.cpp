@@ -317,9 +317,9 @@ class MemberParser {
         const std::size_t axis = !space() ? 1 : key == "rx" ? 0 : key == "ry" ? 1 : 2;
         if (space() == (key == "rotation"))
           file_.refuse(here / key,
-                       space() ? "in dimension 3, an end rotates about the member's local axes: "
-                                 "rx, ry, rz"
-                               : "in dimension 2, an end has \"rotation\"");
+                       space() ? "in a three-dimensional structure, the keys of an end are \"rx\", "
+                                 "\"ry\" and \"rz\", about the local axes of the member"
+                               : "in a plane structure, the only key of an end is \"rotation\"");
         member.ends[end].rotation[axis] =
             parameters_.place(here / key, kNotNegative, [=](AnyStructure& s, double x) {
               std::get<fem::Structure>(s).members[index].ends[end].rotation[axis] = x;
@@ -364,7 +364,8 @@ class MemberParser {
       mass.mass = parameters_.place(where / "mass", kNotNegative,
                                     [=](AnyStructure& s, double x) { mass_at(s).mass = x; });
     if (j.contains("inertia") && j.at("inertia").is_array()) {
-      if (!space()) file_.refuse(where / "inertia", "in dimension 2, must be one number, about z");
+      if (!space())
+        file_.refuse(where / "inertia", "in a plane structure, must be one number, about z");
       for (std::size_t k = 0; k < 3; ++k)
         mass.inertia[k] =
             parameters_.place(where / "inertia" / k, kNotNegative,

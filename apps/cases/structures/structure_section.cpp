@@ -118,7 +118,8 @@ class SectionParser {
     if (s_.contains("second_moment")) {
       if (space_)
         file_.refuse(where_ / "second_moment",
-                     "in dimension 3, give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
+                     "in a three-dimensional structure, give second_moments {\"yy\": ∫z², \"zz\": "
+                     "∫y²}");
       yy = take(where_ / "second_moment", kPositive);
     } else {
       yy = take(where_ / "second_moments" / "yy", kPositive);
@@ -236,8 +237,8 @@ class SectionParser {
       file_.refuse(where_,
                    "the axes y and z of the section are not principal axes: they are rotated by " +
                        plain_number(angle) +
-                       " rad. Draw the outline about its principal axes, and rotate "
-                       "\"up\" of the members by the same angle");
+                       " rad. Define the outline in its principal axes, and rotate the "
+                       "direction \"up\" of each member by the same angle");
     }
     const double gyration = std::sqrt((i.yy + i.zz) / p.area);
     if (space_ && p.shear_centre.norm() > kCentred * gyration)

@@ -112,7 +112,7 @@ std::string smallest_in_words(const Report& plan) {
   out += ".";
   if (found < all)
     out += " At " + std::to_string(all - found) + " of " + std::to_string(all) +
-           " locations, the test does not detect with probability 0.9 even the largest " + key +
+           " locations, the probability of detection is below 0.9 even for the largest " + key +
            " that the prior allows.";
   return out;
 }

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Smallest adequate effective number of reweighted draws.
+/// Smallest adequate effective sample size of the reweighted draws.
 constexpr double kFewDraws = 50.0;
 
 }  // namespace
