@@ -91,7 +91,7 @@ class Replicate {
   // Largest standard deviation of the error of the approximation, times β, for screened moves, and
   // number of steps of such a move: in many dimensions, each step moves less.
   static constexpr double kScreenError = 1.5;
-  [[nodiscard]] int screen_steps() const { return std::max(5, to_->posterior.dimension() / 3); }
+  [[nodiscard]] int screen_steps() const { return std::max(5, to_->posterior.dimension() / 6); }
 
   [[nodiscard]] base::Random stream(std::uint64_t stage) const {
     // The high bit separates these streams from other streams of this purpose.
