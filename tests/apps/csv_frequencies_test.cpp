@@ -89,7 +89,7 @@ TEST(CsvFrequencies, UnclearModeNumbersAreErrors) {
   EXPECT_THAT(csv_complaint("frequency [Hz]\n\n2.4\n", {}), HasSubstr("f.csv:2: empty line"));
   EXPECT_THAT(csv_complaint("frequency [Hz]\n1\n\n2\n\n3\n", {}), HasSubstr("f.csv:3: empty"));
   EXPECT_THAT(csv_complaint("no,frequency\n1,2\n3,4\n", {}),
-              HasSubstr("the column \"no\" may hold mode numbers: rename it to \"mode\""));
+              HasSubstr("the column \"no\" may hold mode numbers: if so, rename it to \"mode\""));
   EXPECT_THAT(frequencies_in("no,frequency\n1,2\n3,4\n", {.columns = {"frequency"}, .row = 2}),
               testing::ElementsAre(4.0));
   EXPECT_THAT(frequencies_in("name,frequency,damping\na,2,0.01\nb,4,0.01\n"),

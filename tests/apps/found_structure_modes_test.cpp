@@ -355,7 +355,7 @@ TEST_F(MatrixCase, Refusals) {
   refused("has no file K9.mtx; its files: K1, K2, M");
   s["stiffness"]["post"] = "K1";
   s["scale"] = {{"dek", 1}};
-  refused("/structure/scale/dek: 1: no substructure");
+  refused("/structure/scale/dek: 1: \"stiffness\" has no substructure");
   s["scale"] = {{"deck", 1}};
   s["change"] = {{"deck", 0}};
   refused("/structure/change/deck: 0: contradicts \"scale\"");

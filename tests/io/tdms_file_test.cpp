@@ -142,7 +142,7 @@ TEST(TdmsFile, ChannelsOfOtherLengthsAndTextsAreListed) {
 TEST(TdmsFile, RejectsDaqmxAndUnknownScalesWithTheRemedy) {
   const Writer w;
   EXPECT_THAT(fault(w.segment(kBoth | 0x80, {w.object("/'g'/'c'", w(0x1269U))}, "")),
-              HasSubstr("export it as text"));
+              HasSubstr("export the data as text"));
   const std::vector<std::string> properties = {w.number("NI_Number_Of_Scales", 1.0),
                                                w.word("NI_Scale[0]_Scale_Type", "Thermocouple")};
   EXPECT_THAT(fault(w.segment(kBoth, {w.object("/'g'/'c'", w.layout(kDouble, 2), properties)},

@@ -495,7 +495,7 @@ TEST(TextLoggers, UnevenTimesReportTheRemedy) {
   };
   EXPECT_THAT(refusal(with([](int n) { return n < 100 ? n : n - 1; })),
               HasSubstr("delete the repeated row"));
-  EXPECT_THAT(refusal(with([](int n) { return n % 120; })), HasSubstr("another run"));
+  EXPECT_THAT(refusal(with([](int n) { return n % 120; })), HasSubstr("a new measurement begins"));
   EXPECT_THAT(refusal(with([](int n) { return n < 100 ? n : n + 1; })),
               HasSubstr("\"resample\": true"));
   std::string coarse = "Time,a\n";
