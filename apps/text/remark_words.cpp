@@ -105,11 +105,12 @@ class Speaker {
         loose.push_back(std::to_string(r.parameters.size() - kNamed) + " more");
         break;
       }
-      loose.push_back(p.name + " under \"" + p.model + "\" (" + percent(p.error) + ")");
+      loose.push_back(p.name + " under \"" + p.model + "\" (Monte Carlo error " + percent(p.error) +
+                      ")");
     }
     return "Rare draws far from the others determine the standard deviation of " + in_words(loose) +
-           ": in brackets, its Monte Carlo standard error. A second solution of small probability "
-           "causes such draws. Report quantiles, or use more --draws.";
+           ". A second solution of small probability causes such draws. Report quantiles, or use "
+           "more --draws.";
   }
   std::string operator()(const remark::ImplausibleMaterial& r) const { return sentence(r); }
   std::string operator()(const remark::DeepSection& r) const { return sentence(r); }
