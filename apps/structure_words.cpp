@@ -43,11 +43,7 @@ std::string sentence(const remark::TwinMembers& r) {
 
 std::string sentence(const remark::UnusedNodes& r) {
   constexpr std::size_t kNamed = 8;
-  std::vector<std::string> names(
-      r.nodes.begin(),
-      r.nodes.begin() + static_cast<std::ptrdiff_t>(std::min(r.nodes.size(), kNamed)));
-  if (r.nodes.size() > kNamed) names.push_back(std::to_string(r.nodes.size() - kNamed) + " more");
-  return (r.nodes.size() == 1 ? "Node " : "Nodes ") + in_words(names) +
+  return (r.nodes.size() == 1 ? "Node " : "Nodes ") + in_words(shortened(r.nodes, kNamed)) +
          (r.nodes.size() == 1 ? " belongs" : " belong") +
          " to no member and no spring, so the structure does not move there. Connect or delete " +
          (r.nodes.size() == 1 ? "it." : "them.");

@@ -82,6 +82,14 @@ std::string share_of_response(double nrmse) {
          " % of the response";
 }
 
+std::vector<std::string> shortened(std::vector<std::string> items, std::size_t most) {
+  if (items.size() <= most) return items;
+  const std::string rest = std::to_string(items.size() - most) + " more";
+  items.resize(most);
+  items.push_back(rest);
+  return items;
+}
+
 std::string in_words(const std::vector<std::string>& items, const std::string& last) {
   std::string text;
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -189,10 +197,7 @@ std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                              const std::vector<std::string>& turned) {
   static constexpr std::size_t kNamed = 8;
   const auto some = [](const std::vector<std::string>& names) {
-    std::vector<std::string> list(
-        names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kNamed)));
-    if (names.size() > kNamed) list.push_back(std::to_string(names.size() - kNamed) + " more");
-    return in_words(list);
+    return in_words(shortened(names, kNamed));
   };
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < std::min(alike.size(), kNamed); ++i)

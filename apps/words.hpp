@@ -39,6 +39,8 @@ using base::grouped;
 [[nodiscard]] std::string duration(double seconds);
 /// An NRMSE as text: "0.35 % of the response".
 [[nodiscard]] std::string share_of_response(double nrmse);
+/// The first `most` items and "N more"; all items if there are no more than `most`.
+[[nodiscard]] std::vector<std::string> shortened(std::vector<std::string> items, std::size_t most);
 /// The items as a list in words: "a, b and c".
 [[nodiscard]] std::string in_words(const std::vector<std::string>& items,
                                    const std::string& last = "and");

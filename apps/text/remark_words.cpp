@@ -74,10 +74,6 @@ class Speaker {
     for (const auto& p : r.parameters)
       if (std::ranges::find(names, p.name) == names.end()) names.push_back(p.name);
     for (const std::string& name : names) {
-      if (loose.size() == kNamed) {
-        loose.push_back(std::to_string(names.size() - kNamed) + " more");
-        break;
-      }
       std::vector<std::string> models;
       std::vector<double> overlaps;
       for (const auto& p : r.parameters) {
@@ -93,22 +89,18 @@ class Speaker {
       loose.push_back(name + " under " + of + " (overlap " + said + ")");
     }
     return "The posterior nearly equals the prior: the data contain little information about " +
-           in_words(loose) +
+           in_words(shortened(std::move(loose), kNamed)) +
            ". Such a posterior repeats the assumptions of the case; do not report it as a result.";
   }
 
   std::string operator()(const remark::UncertainSpread& r) const {
     constexpr std::size_t kNamed = 6;
     std::vector<std::string> loose;
-    for (const auto& p : r.parameters) {
-      if (loose.size() == kNamed) {
-        loose.push_back(std::to_string(r.parameters.size() - kNamed) + " more");
-        break;
-      }
+    for (const auto& p : r.parameters)
       loose.push_back(p.name + " under \"" + p.model + "\" (Monte Carlo error " + percent(p.error) +
                       ")");
-    }
-    return "Rare draws far from the others determine the standard deviation of " + in_words(loose) +
+    return "Rare draws far from the others determine the standard deviation of " +
+           in_words(shortened(std::move(loose), kNamed)) +
            ". A second solution of small probability causes such draws. Report quantiles, or use "
            "more --draws.";
   }

@@ -28,10 +28,10 @@ struct TmcmcOptions {
   /// half of this number is required.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Optional, for an expensive likelihood: an approximation of ln prior factor + ln likelihood up
-  /// to a constant; it must be finite at every finite z. Several threads may call this function at
-  /// once. In stages in which the error of the approximation is small, the approximation screens
-  /// moves (see `tmcmc`).
+  /// Optional, for an expensive likelihood or many dimensions: an approximation of ln prior factor
+  /// + ln likelihood up to a constant. It must be finite at every finite z. Several threads may
+  /// call this function at once. In stages in which the error of the approximation is small, the
+  /// approximation screens moves (see `tmcmc`).
   LogApproximation approximation = nullptr;
   /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;

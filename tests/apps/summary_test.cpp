@@ -246,6 +246,12 @@ TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   nearly.parameters.push_back({std::string(60, 'x'), "gap", 0.98});
   EXPECT_THAT(sentence(nearly, {}), HasSubstr("gap under 3 models (overlap 97 % to 98 %)"));
 
+  remark::UncertainSpread uncertain{.parameters = {{"a", "gap", 0.28}}};
+  EXPECT_THAT(sentence(uncertain, {}),
+              HasSubstr("standard deviation of gap under \"a\" (Monte Carlo error 28 %)."));
+  for (int i = 0; i < 7; ++i) uncertain.parameters.push_back({"a", "c", 0.2});
+  EXPECT_THAT(sentence(uncertain, {}), HasSubstr("and 2 more."));
+
   remark::ColouredResiduals coloured{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}};
   EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("similar")));
   coloured.others = {"n"};
