@@ -105,6 +105,8 @@ SparseModes::Entries SparseModes::entries(const Sparse& matrix) const {
         out.diagonal.push_back(it.value());
       } else if (a > b) {
         out.lower_at.push_back(factor_.index(a, b));
+        out.rows.push_back(static_cast<std::uint32_t>(a));
+        out.columns.push_back(static_cast<std::uint32_t>(b));
         out.lower.push_back(it.value());
       }
     }
@@ -151,50 +153,39 @@ void SparseModes::times(const double* diagonal, const double* lower, const Colum
 }
 
 /// Adds scale_w A u_w for each of the kLanes vectors u_w.
-void SparseModes::multiply(const Entries& entries, const SparseFactor& factor, const double* u,
-                           const double* scale, double* out) {
-  constexpr std::size_t kWide = kLanes;
-  for (std::size_t i = 0; i < entries.diagonal.size(); ++i) {
-    const std::size_t d = kWide * entries.diagonal_at[i];
-    for (std::size_t w = 0; w < kWide; ++w) out[d + w] += scale[w] * entries.diagonal[i] * u[d + w];
-  }
+void SparseModes::multiply(const Entries& entries, const double* u, const double* scale,
+                           double* out) {
+  using Lanes = Eigen::Array<double, kLanes, 1>;
+  const Lanes scales = Eigen::Map<const Lanes>(scale);
+  const auto add = [&](std::size_t to, double value, std::size_t from) {
+    Eigen::Map<Lanes>(out + kLanes * to) +=
+        scales * value * Eigen::Map<const Lanes>(u + kLanes * from);
+  };
+  for (std::size_t i = 0; i < entries.diagonal.size(); ++i)
+    add(entries.diagonal_at[i], entries.diagonal[i], entries.diagonal_at[i]);
   for (std::size_t i = 0; i < entries.lower.size(); ++i) {
-    const std::size_t r = kWide * factor.row(entries.lower_at[i]);
-    const std::size_t c = kWide * factor.column(entries.lower_at[i]);
-    for (std::size_t w = 0; w < kWide; ++w) {
-      out[r + w] += scale[w] * entries.lower[i] * u[c + w];
-      out[c + w] += scale[w] * entries.lower[i] * u[r + w];
-    }
+    add(entries.rows[i], entries.lower[i], entries.columns[i]);
+    add(entries.columns[i], entries.lower[i], entries.rows[i]);
   }
 }
 
-/// Computes K u for the columns u from the strains, without cancellation for smooth shapes.
+/// Computes K u for the modes u. Strains avoid cancellation for smooth shapes; terms that are given
+/// as matrices have none.
 MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
-                                      const MatrixXd& u) const {
+                                      const Workspace& ws) const {
+  const MatrixXd& u = ws.modes;
   MatrixXd out = MatrixXd::Zero(n_, u.cols());
   const auto terms = structure_.term_of_strain();
   for (Index c = 0; c < u.cols(); ++c) {
+    if (structure_.matrix_terms() > 0)
+      times(ws.matrices_diagonal.data(), ws.matrices.data(), stiffness_columns_, u.col(c).data(),
+            out.col(c).data());
     for (std::size_t i = 0; i < strains_.size(); ++i) {
       const SparseRow& row = strains_[i];
       const double stress =
           structure_.nominal().strains[i].factor * point.scales[terms[i]] * row.of(u.col(c));
       for (std::size_t k = 0; k < row.dofs.size(); ++k)
         out(row.dofs[k], c) += row.coefficients[k] * stress;
-    }
-    for (std::size_t term = terms_.size() - structure_.matrix_terms(); term < terms_.size();
-         ++term) {
-      const Entries& e = terms_[term];
-      const double scale = point.scales[static_cast<Index>(term)];
-      for (std::size_t i = 0; i < e.diagonal.size(); ++i) {
-        const auto d = static_cast<Index>(e.diagonal_at[i]);
-        out(d, c) += scale * e.diagonal[i] * u(d, c);
-      }
-      for (std::size_t i = 0; i < e.lower.size(); ++i) {
-        const auto row = static_cast<Index>(factor_.row(e.lower_at[i]));
-        const auto column = static_cast<Index>(factor_.column(e.lower_at[i]));
-        out(row, c) += scale * e.lower[i] * u(column, c);
-        out(column, c) += scale * e.lower[i] * u(row, c);
-      }
     }
   }
   return out;
@@ -206,7 +197,7 @@ bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspa
   MatrixXd momenta(n_, elastic_);
   for (Index i = 0; i < elastic_; ++i)
     mass_times(ws, ws.modes.col(i).data(), momenta.col(i).data());
-  MatrixXd forces = stiffness_times(point, ws.modes);
+  MatrixXd forces = stiffness_times(point, ws);
   const MatrixXd energy = ws.modes.transpose() * forces, gram = ws.modes.transpose() * momenta;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(
       MatrixXd(0.5 * (energy + energy.transpose())), MatrixXd(0.5 * (gram + gram.transpose())));
@@ -352,6 +343,13 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
   for (std::size_t t = 0; t < terms_.size(); ++t)
     add(point.scales[static_cast<Index>(t)], terms_[t], ws.stiffness_diagonal.data(),
         ws.stiffness.data());
+  if (const std::size_t given = structure_.matrix_terms(); given > 0) {
+    ws.matrices_diagonal = VectorXd::Zero(n_);
+    ws.matrices.assign(factor_.entries(), 0.0);
+    for (std::size_t t = terms_.size() - given; t < terms_.size(); ++t)
+      add(point.scales[static_cast<Index>(t)], terms_[t], ws.matrices_diagonal.data(),
+          ws.matrices.data());
+  }
   add(1.0, mass_, ws.mass_diagonal.data(), ws.mass.data());
   if (structure_.mass_changes())
     for (std::size_t j = 0; j < mass_slopes_.size(); ++j)
@@ -442,13 +440,13 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
         const double slope = scale_slopes(static_cast<Index>(t), j);
         if (slope == 0.0) continue;
         scale.fill(slope);
-        multiply(terms_[t], factor_, modes.data(), scale.data(), force.data());
+        multiply(terms_[t], modes.data(), scale.data(), force.data());
       }
       std::array<double, kWide> norm{};
       if (structure_.mass_changes()) {
         std::vector<double> by_mass(force.size());
         scale.fill(1.0);
-        multiply(mass_slopes_[to_size(j)], factor_, modes.data(), scale.data(), by_mass.data());
+        multiply(mass_slopes_[to_size(j)], modes.data(), scale.data(), by_mass.data());
         for (std::size_t r = 0; r < force.size(); ++r) {
           force[r] -= lambda[r % kWide] * by_mass[r];
           norm[r % kWide] -= 0.5 * modes[r] * by_mass[r];

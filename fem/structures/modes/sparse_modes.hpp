@@ -31,6 +31,8 @@ class SparseModes {
   struct Workspace {
     Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // diagonals at the last θ
     std::vector<double> stiffness, mass;                // below the diagonal
+    Eigen::VectorXd matrices_diagonal;                  // of the terms that are given as matrices
+    std::vector<double> matrices;
     SparseFactor::Values shifted, several;
     Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
     Eigen::VectorXd eigenvalues;
@@ -58,6 +60,7 @@ class SparseModes {
   /// A sparse symmetric matrix in the pattern of the factor.
   struct Entries {
     std::vector<std::size_t> diagonal_at, lower_at;
+    std::vector<std::uint32_t> rows, columns;  // of the entries of `lower`
     std::vector<double> diagonal, lower;
   };
   /// Entries of `lower` with their rows, column by column, and the first entry of each column.
@@ -77,8 +80,7 @@ class SparseModes {
   void mass_times(const Workspace& ws, const double* u, double* out) const {
     times(ws.mass_diagonal.data(), ws.mass.data(), mass_columns_, u, out);
   }
-  static void multiply(const Entries& entries, const SparseFactor& factor, const double* u,
-                       const double* scale, double* out);
+  static void multiply(const Entries& entries, const double* u, const double* scale, double* out);
   [[nodiscard]] std::vector<std::size_t> pins(const Workspace& ws, Eigen::Index first,
                                               Eigen::Index last) const;
   bool factorise_at(Workspace& ws, const double* lambda,
@@ -87,7 +89,7 @@ class SparseModes {
                Eigen::Index wanted, Eigen::Index round) const;
   [[nodiscard]] bool none_missing(Workspace& ws, const Eigen::VectorXd& mu, Eigen::Index k) const;
   [[nodiscard]] Eigen::MatrixXd stiffness_times(const ParametricStructure::Point& point,
-                                                const Eigen::MatrixXd& u) const;
+                                                const Workspace& ws) const;
   bool rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const;
   [[nodiscard]] bool solves(const Workspace& ws, double lambda,
                             const std::vector<std::size_t>& pinned, const Eigen::VectorXd& x,
