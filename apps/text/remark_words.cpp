@@ -156,6 +156,15 @@ class Speaker {
            "modes, or "
            "inspect these locations.";
   }
+  std::string operator()(const remark::CommonFactor& r) const {
+    return "Without damage, one factor of " + significant(r.factor, 4) +
+           " on all frequencies of the model fits the " + frequencies_of(r.frequencies) +
+           " within their noise (p = " + significant(r.p, 2) +
+           "). A wrong Young's modulus, a wrong mass or another temperature has this effect. If "
+           "these values are uncertain, the data do not show damage: infer them (Young's modulus: "
+           "\"young\": \"E\", with a prior of E in \"parameters\"), or add frequencies measured "
+           "on the intact structure (\"baseline\").";
+  }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
            frequencies_of(r.frequencies) +
@@ -202,7 +211,10 @@ class Speaker {
     const DefectKind& kind = kind_of(r.kind);
     return "The largest number of " + kind.plural + " that the case allows, " +
            std::to_string(kind.max_count) + ", has " + probability_is(r.probability) +
-           ". The run did not consider larger numbers: increase " +
+           ". The run did not consider larger numbers" +
+           (r.untested ? ", which these data cannot test: measure more frequencies before you "
+                         "increase "
+                       : ": increase ") +
            context_.kinds[static_cast<std::size_t>(r.kind)] + ".count.max.";
   }
   std::string operator()(const remark::SeverityAtBound& r) const {
@@ -460,6 +472,7 @@ struct Rank {
   int operator()(const remark::ScatterBetweenWindows&) const { return 2; }
   int operator()(const remark::MeansDoNotGoTogether&) const { return 3; }
   int operator()(const remark::MostlyNoise&) const { return 3; }
+  int operator()(const remark::CommonFactor&) const { return 1; }
   int operator()(const remark::FittedNotTested&) const { return 3; }
   int operator()(const remark::CannotExclude&) const { return 3; }
   int operator()(const remark::MirrorImages&) const { return 3; }

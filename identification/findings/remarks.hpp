@@ -142,6 +142,12 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
+/// The intact structure fits the data if all its frequencies are multiplied by one factor.
+struct CommonFactor {
+  double factor;
+  double p;         ///< p of the χ² test of this fit
+  int frequencies;  ///< number of measured frequencies
+};
 /// A model has at least as many unknowns as data, and every simpler model is improbable.
 struct FittedNotTested {
   std::string model;
@@ -181,6 +187,7 @@ struct NeighbouringDamages {
 struct LargestCount {
   int kind;  ///< index of the kind of defect in the case
   double probability;
+  bool untested;  ///< true if a model has at least as many unknowns as data
 };
 /// The posterior of the severity of a defect kind piles up at the upper bound of its prior
 /// (prior_bound.hpp).
@@ -372,12 +379,12 @@ using RemarkVariant = std::variant<
     remark::NearlyPrior, remark::UncertainSpread, remark::ImplausibleMaterial, remark::DeepSection,
     remark::TwinMembers, remark::UnusedNodes, remark::CrossingMembers, remark::SensorsAtOnePlace,
     remark::FrequenciesOutOfReach, remark::NoiseHidesDamage, remark::MirrorImages,
-    remark::StructureImages, remark::RivalPlaces, remark::FittedNotTested, remark::CannotExclude,
-    remark::NoModelFits, remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
-    remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
-    remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
-    remark::LinearExcitation, remark::UnevenTime, remark::UnknownUnits, remark::BaseIntegrated,
-    remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
+    remark::StructureImages, remark::RivalPlaces, remark::CommonFactor, remark::FittedNotTested,
+    remark::CannotExclude, remark::NoModelFits, remark::NeighbouringDamages, remark::LargestCount,
+    remark::SeverityAtBound, remark::EmulatorBlind, remark::EmulatorMoved,
+    remark::TruthOutsidePriors, remark::ResponsesOutOfReach, remark::NoiseAboveResponse,
+    remark::PeculiarWindow, remark::LinearExcitation, remark::UnevenTime, remark::UnknownUnits,
+    remark::BaseIntegrated, remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
     remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
     remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
     remark::WindowsUnsound, remark::ChangesTakenForExact, remark::SpuriousMode,

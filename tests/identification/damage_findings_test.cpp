@@ -72,6 +72,33 @@ TEST(DamageFindings, FoldsPlacesOfASymmetricBeam) {
   }));
 }
 
+bool blames_one_factor(const std::vector<double>& frequencies_hz) {
+  DamageCase damage_case = small_beam(2);
+  damage_case.data.frequencies_hz = frequencies_hz;
+  damage_case.data.sd_hz.clear();
+  for (const double f : frequencies_hz) damage_case.data.sd_hz.push_back(0.001 * f);
+  const auto problem = make_damage_problem(damage_case, {});
+  const auto posterior = posterior_of(*problem, {{0.3, 0.5}, {0.31, 0.2, 0.7, 0.5}}, {1, 2});
+  const DamageFindings found = damage_findings(*problem, posterior, {}, 1);
+  return std::ranges::any_of(found.remarks, [](const Remark& r) {
+    const auto* factor = std::get_if<remark::CommonFactor>(&r);
+    if (factor != nullptr) {
+      EXPECT_NEAR(factor->factor, 0.96, 1e-3);
+    }
+    return factor != nullptr;
+  });
+}
+
+TEST(DamageFindings, ReportsThatOneFactorExplainsAllFrequencies) {
+  const fem::Beam beam = small_beam(1).beam;
+  std::vector<double> scaled = elastic_frequencies(beam, {}, 4);
+  EXPECT_FALSE(blames_one_factor(scaled)) << "the intact structure fits without a factor";
+  for (double& f : scaled) f *= 0.96;
+  EXPECT_TRUE(blames_one_factor(scaled));
+  const fem::Defects damage{.damages = {{0.305, 0.5}}, .supports = {}};
+  EXPECT_FALSE(blames_one_factor(elastic_frequencies(beam, damage, 4)));
+}
+
 TEST(Unknowns, AreIdentifiedByPositionAndNotByLabel) {
   DamageCase damage_case = small_beam(2);
   damage_case.kinds.push_back({.type = &defects::kSupport,

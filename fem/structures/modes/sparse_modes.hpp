@@ -31,7 +31,7 @@ class SparseModes {
   struct Workspace {
     Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // diagonals at the last θ
     std::vector<double> stiffness, mass;                // below the diagonal
-    Eigen::VectorXd matrices_diagonal;                  // of the terms that are given as matrices
+    Eigen::VectorXd matrices_diagonal;                  // terms that are given as matrices
     std::vector<double> matrices;
     SparseFactor::Values shifted, several;
     Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
@@ -60,7 +60,7 @@ class SparseModes {
   /// A sparse symmetric matrix in the pattern of the factor.
   struct Entries {
     std::vector<std::size_t> diagonal_at, lower_at;
-    std::vector<std::uint32_t> rows, columns;  // of the entries of `lower`
+    std::vector<std::uint32_t> rows, columns;  // for each entry of `lower`
     std::vector<double> diagonal, lower;
   };
   /// Entries of `lower` with their rows, column by column, and the first entry of each column.

@@ -8,6 +8,7 @@
 #include "base/constants.hpp"
 #include "identification/findings/prior_bound.hpp"
 #include "identification/structural/damage/damage_plausibility.hpp"
+#include "identification/structural/damage/findings/common_factor.hpp"
 #include "identification/structural/damage/findings/damage_modes.hpp"
 #include "identification/structural/damage/findings/rival_places.hpp"
 #include "identification/structural/damage/findings/symmetry_finding.hpp"
@@ -360,7 +361,11 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
       if (model.counts[k] == kinds[k].max_count) at_most += model.probability();
     }
     if (at_most > 0.5 && kinds[k].max_count > kinds[k].min_count) {
-      remarks.push_back(remark::LargestCount{static_cast<int>(k), at_most});
+      const bool untested = std::ranges::any_of(remarks, [](const Remark& r) {
+        return std::holds_alternative<remark::FittedNotTested>(r) ||
+               std::holds_alternative<remark::CannotExclude>(r);
+      });
+      remarks.push_back(remark::LargestCount{static_cast<int>(k), at_most, untested});
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
@@ -537,6 +542,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.symmetric) out.folded = folded(draws);
   add_rival_remarks(draws, symmetric, remarks);
 
+  if (const auto factor = common_factor(draws, out.models)) remarks.push_back(*factor);
   unidentified(draws, out.models, remarks);
   out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);
   out.fit = fit(draws, out.fit_verdict, remarks);
