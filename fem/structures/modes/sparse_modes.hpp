@@ -60,7 +60,7 @@ class SparseModes {
   /// A sparse symmetric matrix in the pattern of the factor.
   struct Entries {
     std::vector<std::size_t> diagonal_at, lower_at;
-    std::vector<std::uint32_t> rows, columns;  // for each entry of `lower`
+    std::vector<std::uint32_t> rows, columns;  // positions of `lower` in the matrix
     std::vector<double> diagonal, lower;
   };
   /// Entries of `lower` with their rows, column by column, and the first entry of each column.
