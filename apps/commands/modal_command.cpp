@@ -85,7 +85,8 @@ IdentifiedModes identify_modes_of(const ModalCaseFile& modal, const CommonOption
     out.set_ups.push_back(identify_modes_of(modal.file, set_up, common.seed.value_or(1)));
     pieces.push_back({.modes = out.set_ups.back().modes,
                       .covariance = out.set_ups.back().covariance,
-                      .sensors = set_up.which});
+                      .sensors = set_up.which,
+                      .covariance_samples = out.set_ups.back().covariance_samples()});
   }
   bar.clear();
   if (pieces.size() > 1)

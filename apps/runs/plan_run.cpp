@@ -39,8 +39,14 @@ void check_plan_case(const PlanCaseFile& parsed, int scenarios) {
                     " for a frequency: must give at most " + percent(kLargestCov) +
                     "; plan a longer record");
   // Expected number of false alarms in the simulated tests of the intact model.
-  const double alarms = parsed.plan.false_alarm * variation_tests(scenarios) / check.models;
-  if (alarms < kFewestAlarms)
+  const double alarms_a_test = parsed.plan.false_alarm / check.models;
+  if (alarms_a_test * kMostVariationTests < kFewestAlarms)
+    file.refuse(Pointer("/plan/false_alarm"),
+                "must be at least " +
+                    base::significant(kFewestAlarms * check.models / kMostVariationTests, 3) +
+                    ": a plan compares designs with at most " + base::grouped(kMostVariationTests) +
+                    " simulated tests");
+  if (alarms_a_test * variation_tests(scenarios) < kFewestAlarms)
     file.refuse(Pointer("/plan/false_alarm"),
                 "is too small for " + base::grouped(scenarios) +
                     " simulated tests: use --scenarios " +

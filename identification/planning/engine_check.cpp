@@ -158,46 +158,39 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
     hz[index(i)] = f * (1.0 + cov * numbers.frequencies[i]);
     sd[index(i)] = cov * f;
   }
+  // Modes keep their numbers, so that the likelihood computes all modes up to the last measured
+  // one.
+  const auto rows = static_cast<Index>(structure.chosen().back() + 1);
   out.data = {};
+  out.data.frequencies_hz.assign(index(rows), kNaN);
+  out.data.sd_hz.assign(index(rows), kNaN);
+  ModalData modal;
+  modal.covariance = Eigen::MatrixXd::Identity(rows, rows);
+  for (Index i = 0; i < n; ++i) {
+    const auto row = static_cast<Index>(structure.chosen()[index(i)]);
+    out.data.frequencies_hz[index(row)] = hz[index(i)];
+    out.data.sd_hz[index(row)] = sd[index(i)];
+    modal.covariance(row, row) = sd[index(i)] * sd[index(i)];
+  }
+  modal.frequencies_hz = out.data.frequencies_hz;
   if (!data.with_shapes()) {
     // The i-th frequency is that of the i-th elastic mode.
-    out.data.frequencies_hz.assign(index(structure.chosen().back() + 1), kNaN);
-    out.data.sd_hz.assign(out.data.frequencies_hz.size(), kNaN);
-    for (Index i = 0; i < n; ++i) {
-      out.data.frequencies_hz[index(structure.chosen()[index(i)])] = hz[index(i)];
-      out.data.sd_hz[index(structure.chosen()[index(i)])] = sd[index(i)];
-    }
-    if (structure.unknowns() > 0) {
-      const std::vector<double>& sds = out.data.sd_hz;
-      ModalData modal;
-      modal.frequencies_hz = out.data.frequencies_hz;
-      modal.covariance =
-          Eigen::MatrixXd::Zero(static_cast<Index>(sds.size()), static_cast<Index>(sds.size()));
-      for (std::size_t i = 0; i < sds.size(); ++i)
-        modal.covariance(static_cast<Index>(i), static_cast<Index>(i)) =
-            std::isnan(sds[i]) ? 1.0 : sds[i] * sds[i];
-      out.measured = with_unknowns(structure, std::move(modal));
-    }
+    if (structure.unknowns() > 0) out.measured = with_unknowns(structure, std::move(modal));
     return out;
   }
-  ModalData modal;
-  modal.frequencies_hz = hz;
-  modal.covariance = Eigen::MatrixXd::Zero(n, n);
-  for (Index i = 0; i < n; ++i) modal.covariance(i, i) = sd[index(i)] * sd[index(i)];
   const auto m = static_cast<Index>(design.sensors.size());
-  modal.shapes.resize(n, m);
+  modal.shapes = Eigen::MatrixXd::Constant(rows, m, kNaN);
+  modal.shape_covariances.assign(index(rows), Eigen::MatrixXd::Identity(m, m));
   for (const int s : design.sensors) modal.sensors.push_back(structure.candidates()[index(s)]);
   for (Index i = 0; i < n; ++i) {
+    const auto row = static_cast<Index>(structure.chosen()[index(i)]);
     const Eigen::VectorXd shape = data.measured_shape(scenario.modes, numbers, static_cast<int>(i));
     // The likelihood expects the covariance for a largest measured entry of 1.
     const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
     const double shape_sd = plan.noise.shape_sd_now(static_cast<int>(i)) / largest;
-    modal.shapes.row(i) = shape.transpose() / largest;
-    if (!data.has_shape(static_cast<int>(i))) modal.shapes.row(i).setConstant(kNaN);
-    modal.shape_covariances.push_back(shape_sd * shape_sd * Eigen::MatrixXd::Identity(m, m));
+    if (data.has_shape(static_cast<int>(i))) modal.shapes.row(row) = shape.transpose() / largest;
+    modal.shape_covariances[index(row)] *= shape_sd * shape_sd;
   }
-  out.data.frequencies_hz = hz;
-  out.data.sd_hz = sd;
   out.measured = structure.unknowns() > 0 ? with_unknowns(structure, std::move(modal))
                                           : MeasuredModes(std::move(modal));
   return out;

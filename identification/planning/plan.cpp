@@ -26,9 +26,11 @@ const std::string kEffectiveIndependence = "effective independence",
 /// Returns the case; throws if a plan does not support its counts.
 const DamageCase& checked(const DamageCase& damage_case) {
   int most = 0;
-  bool intact = true;
+  bool intact = true, damaged = false;
   for (const DefectKind& kind : damage_case.kinds) {
     most += kind.max_count;
+    damaged = damaged || std::any_of(kind.weights.begin() + 1, kind.weights.end(),
+                                     [](double weight) { return weight > 0.0; });
     intact = intact && kind.min_count == 0 && kind.weights.at(0) > 0.0;
   }
   if (!intact)
@@ -37,6 +39,9 @@ const DamageCase& checked(const DamageCase& damage_case) {
                        "from \"min\": 0");
   if (most < 1)
     throw InvalidInput(InvalidInput::Part::models, "a plan needs \"max\" of at least 1");
+  if (!damaged)
+    throw InvalidInput(InvalidInput::Part::models,
+                       "a plan needs a positive prior probability of at least one defect");
   if (most > 2)
     throw InvalidInput(
         InvalidInput::Part::models,

@@ -82,9 +82,10 @@ struct PlanFindings {
 
 /// Smallest number of simulated tests for a design that is compared with the recommended design.
 inline constexpr int kFewestVariationTests = 1000;
+inline constexpr int kMostVariationTests = 5000;  ///< the largest number
 /// Number of simulated tests for each variation of the recommended design.
 [[nodiscard]] constexpr int variation_tests(int scenarios) {
-  return std::clamp(scenarios / 10, kFewestVariationTests, 5 * kFewestVariationTests);
+  return std::clamp(scenarios / 10, kFewestVariationTests, kMostVariationTests);
 }
 
 struct PlanCheck {

@@ -32,10 +32,22 @@ constexpr double kKeptBand = 0.4;  // decimate() keeps frequencies up to this sh
 constexpr double kHankelRows = 1.2;
 constexpr double kMovedPole = 0.05;  // distance of a refined pole from that of the diagram
 
-/// Decays of equal length, decimated to the band, without their final means.
-std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
+/// Number of decimated samples at each end of a record that the filter of decimate() distorts, and
+/// largest share of a decay that these samples may take.
+constexpr Index kFilterReach = 32;
+constexpr double kLostShare = 0.2;
+
+Index shortest(const std::vector<MatrixXd>& decays) {
   Index length = decays.front().cols();
   for (const MatrixXd& d : decays) length = std::min(length, d.cols());
+  return length;
+}
+
+/// Decays of equal length, decimated to the band, without their final means. A decay starts
+/// suddenly, so that the filter distorts its first and last samples; these are removed. The rest is
+/// a free decay with the same poles.
+std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
+  const Index length = shortest(decays);
   std::vector<MatrixXd> out;
   for (const MatrixXd& d : decays) {
     MatrixXd one;
@@ -47,6 +59,7 @@ std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) 
       if (c == 0) one.resize(d.rows(), static_cast<Index>(less.size()));
       one.row(c) = Eigen::Map<const Eigen::RowVectorXd>(less.data(), one.cols());
     }
+    if (factor > 1) one = one.middleCols(kFilterReach, one.cols() - 2 * kFilterReach).eval();
     out.push_back(std::move(one));
   }
   return out;
@@ -337,8 +350,10 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
     refuse("lowest frequency", out.lowest_hz, "must be at least 0 and below the highest");
   out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
-  out.decimated =
-      std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));
+  const double by_band = kKeptBand * options.sample_rate_hz / out.highest_hz;
+  const double by_length =
+      kLostShare * static_cast<double>(shortest(decays)) / (2.0 * kFilterReach);
+  out.decimated = static_cast<int>(std::max(1.0, std::min(by_band, by_length)));
   out.sample_rate_hz = options.sample_rate_hz / out.decimated;
   const std::vector<MatrixXd> y = prepared(decays, out.decimated);
   const auto events = static_cast<Index>(y.size());

@@ -228,8 +228,12 @@ class ModeMerger {
  public:
   ModeMerger(const std::vector<SetUpModes>& set_ups, int sensors, std::vector<int> references)
       : set_ups_(set_ups), sensors_(sensors), out_{.references = std::move(references)} {
-    for (const SetUpModes& s : set_ups_)
+    for (const SetUpModes& s : set_ups_) {
       channels_.push_back(reference_channels(s, out_.references));
+      int& least = out_.covariance_samples;
+      if (s.covariance_samples > 0 && (least == 0 || s.covariance_samples < least))
+        least = s.covariance_samples;
+    }
   }
 
   MergedModes merge() {

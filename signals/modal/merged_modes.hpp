@@ -24,6 +24,7 @@ struct SetUpModes {
   std::vector<Mode> modes = {};
   Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies, then all damping ratios
   std::vector<int> sensors = {};    ///< sensor of each channel
+  int covariance_samples = 0;       ///< as ModalResult::covariance_samples
 };
 
 /// Reasons to doubt a merged mode.
@@ -57,6 +58,7 @@ struct MergedModes {
   std::vector<MergedMode> modes = {};  ///< merged modes by ascending frequency
   Eigen::MatrixXd covariance = {};     ///< covariance of all frequencies, then damping ratios
   std::vector<int> references = {};    ///< sensors that occur in every set-up
+  int covariance_samples = 0;          ///< the smallest number of a set-up; 0: none has samples
 };
 
 /// Merges the modes of several set-ups. Modes of two set-ups match under two conditions. Their

@@ -1,6 +1,7 @@
 #include "signals/modal/modal_identification.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -111,8 +112,13 @@ bool is_twin(const Pole& p, const Pole& other) {
   return alike && modal_assurance(p.shape, other.shape) > 0.9;
 }
 
-bool near(double a, double b) {
-  return std::abs(a - b) <= 0.05 * b;
+/// True if the filter of the band may distort the mode. The Bayesian method uses no filter.
+bool at_the_edge(const ModalResult& result, double frequency_hz) {
+  if (result.method == ModalMethod::bayesian) return false;
+  const double width = result.highest_hz - result.lowest_hz;
+  return std::ranges::any_of(std::array{result.lowest_hz, result.highest_hz}, [&](double end) {
+    return std::abs(frequency_hz - end) < 0.05 * std::min(end, width);
+  });
 }
 
 /// Largest amplitude kurtosis over the records, each for the channel with the largest motion in the
@@ -191,8 +197,7 @@ void doubt_modes(ModalResult& out) {
     if (mode.collinearity < kCollinear) add(ModeDoubt::complex_shape);
     for (const Mode& other : out.modes)
       if (&other != &mode && is_twin(p, other.pole)) add(ModeDoubt::twin);
-    if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
-      add(ModeDoubt::at_the_edge);
+    if (at_the_edge(out, p.frequency_hz)) add(ModeDoubt::at_the_edge);
     if (out.block_seconds > 0.0 && p.damping > 0.0 &&
         out.block_seconds * p.damping * 2.0 * std::numbers::pi * p.frequency_hz < 1.0)
       ++out.remarks.longer_decays;

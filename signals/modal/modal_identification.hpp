@@ -36,7 +36,8 @@ enum class ModeDoubt {
   /// mode lies within the half-power bandwidths and has a
   /// smaller uncertainty than this mode.
   twin,
-  at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth
+  at_the_edge  ///< distance to an end of the band is below a twentieth of the bandwidth and of this
+               ///< end
 };
 
 /// Modal phase collinearity below which a mode shape is doubtful.
@@ -101,6 +102,10 @@ struct ModalResult {
   int segments = 0, segment = 0;           ///< number of segments of these spectra; samples per
                                            ///< segment
   ModalRemarks remarks = {};
+
+  /// Number of blocks, replicates or surrogates from which the covariances are estimated; 0: the
+  /// covariances are not estimated from a sample.
+  [[nodiscard]] int covariance_samples() const { return blocks > 0 ? blocks : replicates; }
 };
 
 /// Identifies modes from `records`, with one channel per row. This function decimates the records

@@ -42,6 +42,20 @@ TEST(ModesFile, ReadsWhatItWrites) {
   EXPECT_EQ(after.sensors[1].azimuth, 12.5);
 }
 
+// Regression: a file without modes, as `wheeltap modal` writes it, ended the program.
+TEST(ModesFile, MayHaveNoModes) {
+  const Workspace where;
+  ModesFile none{.sensors = some().sensors};
+  none.frequencies_hz.resize(0);
+  none.damping.resize(0);
+  none.covariance.resize(0, 0);
+  none.shapes.resize(2, 0);
+  Report written = modes_json(none);
+  written["covariance"] = Report::array();
+  const ModesFile read = read_modes_file(where.write("m.json", written.dump()));
+  EXPECT_EQ(read.frequencies_hz.size(), 0);
+}
+
 TEST(ModesFile, NamesThePlaceOfWhatIsWrong) {
   const Workspace where;
   const auto refused = [&](const char* place, const Report& value) {

@@ -193,6 +193,9 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
   expect_refused(with("/plan/layouts", json::parse("[[0, 99]]")), "/plan/layouts/0/1: 99");
   expect_refused(with("/damage/count/max", 3), "/damage/count");
   expect_refused(with("/damage/count/min", 1), "/damage/count");
+  expect_refused(with("/damage/count", json::parse(R"({"max": 1, "prior": [1, 0]})")),
+                 "prior probability of at least one defect");
+  expect_refused(with("/plan/false_alarm", 0.0005), "/plan/false_alarm: 0.0005: must be at least");
   expect_refused(with("/plan/costs", {{"inspection", 5}, {"missed_damage", 1}}),
                  "/plan/costs/missed_damage: 1: must exceed");
   expect_refused(with("/plan/costs", {{"inspection", -5}, {"missed_damage", 1}}),
@@ -202,9 +205,9 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
           .patch(json::parse(
               R"([{"op": "add", "path": "/parameters", "value": {"E": {"log_normal": [25, 0.05]}}}])")),
       "/plan/masses: ");
-  expect_refused(with("/plan/false_alarm", 1e-4),
-                 "/plan/false_alarm: 0.0001: is too small for 1 000 simulated tests: use "
-                 "--scenarios 1000000 or more");
+  expect_refused(with("/plan/false_alarm", 0.005),
+                 "/plan/false_alarm: 0.005: is too small for 1 000 simulated tests: use "
+                 "--scenarios 20000 or more");
   expect_refused(with("/plan/seconds", 1e-4), "/plan/seconds: 0.0001: gives a standard deviation");
   json one_place = with("/damage/location", {{"uniform", {0.01, 0.04}}});
   one_place["damage"]["count"]["max"] = 2;

@@ -298,6 +298,25 @@ TEST(PlannedTest, DataAgreeWithTheLikelihoodOfADamageRun) {
   }
 }
 
+// Regression: the modes of a band were numbered from 1, so that the likelihood did not compute the
+// highest of them.
+TEST(PlannedTest, ModesOfABandKeepTheirNumbers) {
+  PlanCase plan = beam_plan(1);
+  plan.structure.modes = 3;
+  const std::vector<double> all = elastic_frequencies(plan.damage_case.beam, {}, 8);
+  plan.structure.low_hz = 0.5 * (all[4] + all[5]);
+  const PlannedStructure structure(plan.damage_case, plan.structure);
+  const ScenarioSource source(structure, 1);
+  PlannedStructure::Solver solver(structure);
+  const DamageCase simulated =
+      simulated_case(plan, source, {.sensors = {1, 4}}, source.draw(0, solver));
+  ASSERT_EQ(simulated.data.frequencies_hz.size(), 8U);
+  EXPECT_TRUE(std::isnan(simulated.data.frequencies_hz[4]));
+  EXPECT_NEAR(simulated.data.frequencies_hz[5] / all[5], 1.0, 0.2);
+  EXPECT_TRUE(std::isnan(simulated.modal()->shapes(4, 0)));
+  EXPECT_TRUE(std::isfinite(simulated.modal()->shapes(7, 1)));
+}
+
 TEST(PlannedTest, NoiseOfASensorDoesNotDependOnTheOtherSensors) {
   const PlanCase plan = beam_plan(1);
   const PlannedStructure structure(plan.damage_case, plan.structure);

@@ -171,9 +171,13 @@ TEST(MergedModes, MergesModesFromRecordsOfAChain) {
     for (std::size_t c = 0; c < sensors.size(); ++c)
       records.row(static_cast<Eigen::Index>(c)) = all.row(sensors[c]);
     ModalResult found = identify_modes(records, {.sample_rate_hz = 20.0, .lowest_hz = 0.3});
-    set_ups.push_back({.modes = found.modes, .covariance = found.covariance, .sensors = sensors});
+    set_ups.push_back({.modes = found.modes,
+                       .covariance = found.covariance,
+                       .sensors = sensors,
+                       .covariance_samples = found.covariance_samples() - (sensors[0] == 4)});
   }
   const MergedModes merged = merge_modes(set_ups, 6);
+  EXPECT_EQ(merged.covariance_samples, 49);
   ASSERT_GE(merged.modes.size(), 5U);
   for (std::size_t m = 0; m < 5; ++m) {
     const MergedMode& mode = merged.modes[m];

@@ -49,6 +49,21 @@ TEST(ModalIdentification, FindsAChainWithItsCovariance) {
   }
 }
 
+// Regression: in a band below a tenth of its frequency, all modes counted as too close to an end.
+TEST(ModalIdentification, DoubtsModesOnlyNearTheEndsOfTheBand) {
+  const VibratingStructure structure = chain(1, 1.0, 200.0);
+  const double hz = structure.modes().frequencies_hz[0];
+  const auto is_doubted = [&](double lowest, double highest) {
+    const ModalResult found =
+        identify_modes(structure.accelerations(18000, 0.05, 1),
+                       {.sample_rate_hz = 20.0, .lowest_hz = lowest, .highest_hz = highest});
+    EXPECT_EQ(found.modes.size(), 1U);
+    return std::ranges::count(found.modes.at(0).doubts, ModeDoubt::at_the_edge) > 0;
+  };
+  EXPECT_FALSE(is_doubted(0.96 * hz, 1.04 * hz));
+  EXPECT_TRUE(is_doubted(0.5 * hz, 1.02 * hz));
+}
+
 // The automatic choice, given as a list, gives the same modes to the last bit.
 TEST(ModalIdentification, PolesChosenByHandAreTheModes) {
   const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(18000, 0.05, 1);

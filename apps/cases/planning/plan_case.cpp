@@ -12,6 +12,7 @@
 #include "base/index.hpp"
 #include "base/number.hpp"
 #include "fem/structures/mesh.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "identification/planning/added_mass.hpp"
 #include "identification/structural/forward/assembled_model.hpp"
 
@@ -189,8 +190,9 @@ void take_masses(const CaseFile& file, const AnyStructure& structure, PlanCaseFi
       try {
         AnyStructure made = make();
         try {
-          static_cast<void>(AssembledModel(made, out.plan.damage_case.kinds,
-                                           rigid + out.plan.structure.modes, rigid));
+          const auto available = fem::mode_count(discretise(made));
+          const int modes = std::min(rigid + out.plan.structure.modes, static_cast<int>(available));
+          static_cast<void>(AssembledModel(made, out.plan.damage_case.kinds, modes, rigid));
         } catch (const fem::InvalidStructure& error) {
           file.refuse(at / "mass",
                       std::string("with this mass, the structure has no modes: ") + error.what());

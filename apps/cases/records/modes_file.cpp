@@ -49,6 +49,7 @@ class Reader {
 
   [[nodiscard]] Eigen::MatrixXd covariance(const Pointer& where, Index size) const {
     Eigen::MatrixXd out = matrix(where, size, size);
+    if (size == 0) return out;  // a file without modes
     const double largest = out.cwiseAbs().maxCoeff();
     if (!((out - out.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * largest))
       throw Failure(Exit::bad_input,
@@ -129,7 +130,7 @@ ModesFile measured_modes(const signals::ModalResult& result,
     if (out.covariance.size() > 0) out.shape_covariance.push_back(mode.shape_covariance);
     out.doubtful.push_back(!mode.doubts.empty());
   }
-  out.blocks = result.blocks;
+  out.blocks = result.covariance_samples();
   return numbered(std::move(out));
 }
 
@@ -149,6 +150,7 @@ ModesFile measured_modes(const signals::MergedModes& merged,
     out.shape_covariance.push_back(mode.shape_covariance);
     out.doubtful.push_back(!mode.doubts.empty());
   }
+  out.blocks = merged.covariance_samples;
   return numbered(std::move(out));
 }
 

@@ -343,6 +343,12 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
       "wheeltap plan wrote this case with the recommended sensors and the uncertainty of the data.",
       "Wheeltap simulates a test from \"truth\". After the real test, delete \"truth\". In "
       "\"data\", keep only \"sensors\", and add \"from\": \"modes.json\"."};
+  if (modes > structure.modes())
+    out["notes"].push_back("The planned test measures " + std::to_string(structure.modes()) +
+                           " of the lowest " + std::to_string(modes) + " modes, from number " +
+                           std::to_string(structure.chosen().front() + 1) +
+                           " on. The simulated test has all of them: in its data, replace the "
+                           "frequencies and shapes of the other modes by null.");
   // A case with unknown coefficients needs measured modes: Wheeltap does not simulate its data.
   const bool known = structure.unknowns() == 0;
   if (!known)
