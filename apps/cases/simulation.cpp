@@ -29,7 +29,8 @@ SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed)
   Json json = parsed.file.json;
   Json& out = json["data"];
   if (!out.is_object()) out = Json::object();
-  for (const char* key : {"file", "columns", "row", "repeats"}) out.erase(key);
+  for (const char* key : {"file", "columns", "row", "repeats", "from", "modes", "model_modes"})
+    out.erase(key);
   out["frequencies"] = data.frequencies_hz;
   const Json& truth = json["truth"];
   if (!out.contains("cov")) out["cov"] = truth.at("cov");
@@ -47,7 +48,8 @@ Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std
   const DamageCase& damage_case = parsed.damage;
   Json json = parsed.file.json;
   if (!json["data"].is_object()) json["data"] = Json::object();  // the truth defines all data
-  for (const char* key : {"file", "columns", "row", "repeats", "modes", "seed"})
+  for (const char* key :
+       {"file", "columns", "row", "repeats", "from", "modes", "model_modes", "seed"})
     json["data"].erase(key);
   json["data"]["frequencies"] = data.frequencies_hz;
   const auto says = [&](const char* key) { return json["data"].contains(key); };

@@ -144,7 +144,7 @@ class MassParser {
   std::optional<fem::Mesh> mesh_;
 };
 
-/// Checks that all states have the same unknown noise parameters.
+/// Checks that two states have the same unknown noise parameters and model errors.
 void check_scatters(const CaseFile& file, const Pointer& where, const ModalData& first,
                     const ModalData& data) {
   const auto same = [](const std::optional<inference::Prior>& a,
@@ -325,7 +325,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
           "is allowed only in states without measurements: use it in place of \"frequencies\"");
     for (const double f : state.data.frequencies_hz)
       if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");
-    if (s > 0) check_scatters(given, where[s], out.list[0].data, state.data);
+    for (const ObservedState& earlier : out.list)
+      check_scatters(given, where[s], earlier.data, state.data);
     if (json.contains("masses")) state.masses = masses.parse(where[s] / "masses");
     for (const std::string& name : known) {
       if (!json.value("known", Json::object()).contains(name))

@@ -56,14 +56,26 @@ Found of_structure(const CaseFile& file, const std::string& wanted, const std::s
   // Use the material of the first member with this section.
   Json material = Json::object();
   const Json& structure = file.json.at("structure");
-  for (const Json& member : structure.value("members", Json::array())) {
-    if (!member.is_object() || member.value("section", "") != name) continue;
-    const Pointer at = Pointer("/materials") / member.value("material", "");
+  const auto take = [&](const Json& part) {
+    const auto says = [&](const char* key) {
+      return part.is_object() && part.contains(key) && part.at(key).is_string();
+    };
+    if (!material.empty() || !says("section") || part.at("section") != name || !says("material"))
+      return;
+    const Pointer at = Pointer("/materials") / part.at("material").get<std::string>();
     if (structure.contains(at)) material = structure.at(at);
-    break;
+  };
+  for (const Json& member : structure.value("members", Json::array())) {
+    take(member);
+    if (member.is_object() && member.contains("pieces"))
+      std::ranges::for_each(member.at("pieces"), take);
   }
   Found found{.file = file, .place = (where / name).to_string(), .title = title};
-  found.file.json = section_alone(sections.at(name), material);
+  Json section = sections.at(name);
+  // Properties that the case gives in place of the computed ones.
+  if (section.is_object())
+    for (const char* key : {"shear_coefficient", "torsion_constant", "depth"}) section.erase(key);
+  found.file.json = section_alone(section, material);
   found.title += found.title.empty() ? name : ": " + name;
   return found;
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
@@ -309,7 +310,8 @@ PrincipalAxes principal_axes(const SecondMoments& m) {
   const double mean = 0.5 * (m.yy + m.zz), half = 0.5 * (m.yy - m.zz);
   const double radius = std::hypot(half, m.yz);
   // About an axis at angle θ from y: I = mean + half cos 2θ - I_yz sin 2θ.
-  const double angle = radius <= 1e-9 * mean ? 0.0 : 0.5 * std::atan2(-m.yz, half);
+  double angle = radius <= 1e-9 * mean ? 0.0 : 0.5 * std::atan2(-m.yz, half);
+  if (angle < -0.5 * kPi + 1e-9) angle += kPi;  // rounding errors decide between -π/2 and π/2
   return {mean + radius, mean - radius, angle};
 }
 

@@ -118,13 +118,13 @@ class Reader {
       const Entity& e = entities_[i];
       if (value(e, 67, 0.0) == 1.0) continue;  // on the layout sheet, not in the model
       if (e.type == "LWPOLYLINE") {
-        polyline(e, corners(e));
+        polyline(e, corners(e, mirrored(e)));
       } else if (e.type == "POLYLINE") {
         ClosedPath path;
         for (std::size_t k = i + 1; k < entities_.size() && entities_[k].type == "VERTEX"; ++k) {
           if (static_cast<int>(value(entities_[k], 70, 0.0)) & 16)
             continue;  // control point of a spline
-          const ClosedPath one = corners(entities_[k]);
+          const ClosedPath one = corners(entities_[k], mirrored(e));
           path.insert(path.end(), one.begin(), one.end());
         }
         polyline(e, path);
@@ -160,9 +160,10 @@ class Reader {
   /// True if the entity's plane is seen from behind.
   bool mirrored(const Entity& e) const { return value(e, 230, 1.0) < 0.0; }
 
-  ClosedPath corners(const Entity& e) const {
+  /// The corners of an entity. The vertices of a POLYLINE are mirrored if the POLYLINE is.
+  ClosedPath corners(const Entity& e, bool is_mirrored) const {
     ClosedPath path;
-    const double sign = mirrored(e) ? -1.0 : 1.0;
+    const double sign = is_mirrored ? -1.0 : 1.0;
     bool complete = true;
     for (const Pair& pair : e.pairs) {
       if (pair.code == 10) {

@@ -180,6 +180,13 @@ double integer(const char* from, std::size_t size, bool is_signed, bool swapped)
   }
 }
 
+/// a - b, exact unless it overflows: a number of nanoseconds since 1970 exceeds 2⁵³.
+double difference(std::int64_t a, std::int64_t b) {
+  using Limits = std::numeric_limits<std::int64_t>;
+  const bool overflows = b < 0 ? a > Limits::max() + b : a < Limits::min() + b;
+  return overflows ? static_cast<double>(a) - static_cast<double>(b) : static_cast<double>(a - b);
+}
+
 double real(const char* from, std::size_t size, bool swapped) {
   if (size == 2) return half(loaded<std::uint16_t>(from, swapped));
   if (size == 4) return static_cast<double>(loaded<float>(from, swapped));
@@ -202,9 +209,8 @@ std::vector<double> values_of(const NpyArray& array) {
     } else if (e.kind == 'm' || e.kind == 'M') {
       const auto ticks = loaded<std::int64_t>(from, e.swapped);
       if (!first && ticks != kNotATime) first = e.kind == 'M' ? ticks : 0;
-      out.push_back(ticks == kNotATime
-                        ? std::numeric_limits<double>::quiet_NaN()
-                        : e.scale * (static_cast<double>(ticks) - static_cast<double>(*first)));
+      out.push_back(ticks == kNotATime ? std::numeric_limits<double>::quiet_NaN()
+                                       : e.scale * difference(ticks, *first));
     } else {
       out.push_back(integer(from, e.size, e.kind == 'i', e.swapped));
     }

@@ -36,18 +36,29 @@ const Quantity* quantity_of(const UniversalAxis& axis) {
   return found == std::end(kQuantities) ? nullptr : found;
 }
 
+/// True if the unit of the quantity contains a length, a force or a mass.
+bool depends_on_units(const Quantity& quantity) {
+  constexpr int kOthers[] = {3, 5, 17, 18, 19, 20};  // strain, temperature, time and its inverse
+  return std::ranges::find(kOthers, quantity.code) == std::end(kOthers);
+}
+
 struct Measured {
   std::string label, unit;
   double to_si = 1.0;
 };
 
 /// The label and unit of an axis. A unit given by the axis is used unchanged; otherwise the powers
-/// of the units of dataset 164 give SI units.
+/// of the units of dataset 164 give SI units. Writers that do not state the powers write zeros; the
+/// unit is then known only if the units of dataset 164 are those of SI.
 Measured measured(const UniversalAxis& axis, const std::optional<UniversalUnits>& units) {
   const Quantity* quantity = quantity_of(axis);
   Measured out{.label = axis.label, .unit = axis.unit};
   if (out.label.empty() && quantity != nullptr) out.label = quantity->name;
   if (!out.unit.empty() || quantity == nullptr || !units) return out;
+  const auto is = [](double value) { return [value](double x) { return x == value; }; };
+  if (depends_on_units(*quantity) && std::ranges::all_of(axis.powers, is(0.0)) &&
+      !std::ranges::all_of(units->factors, is(1.0)))
+    return out;
   out.unit = quantity->si;
   for (std::size_t k = 0; k < 3; ++k) out.to_si *= std::pow(units->factors[k], -axis.powers[k]);
   return out;

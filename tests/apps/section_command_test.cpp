@@ -87,6 +87,12 @@ TEST(SectionCommand, BareSectionsBeamsAndStructures) {
   EXPECT_EQ(outcome.exit_code, 64);
   EXPECT_THAT(outcome.err, HasSubstr("c, r"));
   EXPECT_EQ(wheeltap(where, "section " + path + " --name q").exit_code, 64);
+  // The material may stand in the pieces of a member; properties that the case gives are ignored.
+  json pieces = structure;
+  pieces["structure"]["members"] = json::parse(
+      R"([{"section": 5}, {"pieces": [{"to": 1, "section": "c", "material": "steel"}]}])");
+  pieces["structure"]["sections"]["c"]["depth"] = 19;
+  EXPECT_EQ(properties(where, pieces, "--name c")["torsion_constant"], expected);
 }
 
 TEST(SectionCommand, ShapesHaveCowpersCoefficientBesideTheirOwn) {

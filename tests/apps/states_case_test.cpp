@@ -324,6 +324,12 @@ TEST(StatesCase, Refusals) {
   refused(c, "/data/discrepancy/mixing");
   c["data"]["discrepancy"].erase("cov");
   refused(c, "/data/discrepancy/mixing");
+  // The first state states no model error; the others state different ones.
+  c = two_storeys();
+  c["data"]["states"] = json::parse(R"([{"discrepancy": {"cov": 0.01}, "frequencies": [2.7]},
+    {"discrepancy": {"cov": 0.05}, "frequencies": [2.7]}])");
+  c["data"].erase("frequencies");
+  refused(c, "/discrepancy/cov: 0.05: must be the same in every state");
   c = two_storeys();
   c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}, {"stiffness", 0.05}};
   refused(c, "/data/discrepancy/mixing: 0.5: is not allowed with \"stiffness\"");

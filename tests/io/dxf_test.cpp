@@ -72,6 +72,15 @@ TEST(Dxf, OldPolylines) {
   EXPECT_EQ(d.unit, 0.0);
 }
 
+// Regression: the vertices of a mirrored POLYLINE (extrusion -z) were not mirrored.
+TEST(Dxf, MirroredPolylines) {
+  const std::string corner = "0\nVERTEX\n8\n0\n10\n";
+  const Drawing d = parsed("0\nPOLYLINE\n66\n1\n70\n1\n230\n-1\n10\n0\n20\n0\n" + corner +
+                           "1\n20\n0\n" + corner + "3\n20\n0\n" + corner + "3\n20\n2\n0\nSEQEND\n");
+  ASSERT_EQ(d.outlines.size(), 1u);
+  for (const PathCorner& c : d.outlines[0]) EXPECT_LT(c.x, 0.0);
+}
+
 TEST(Dxf, LinesAndArcsInAnyOrderAndDirection) {
   // A quarter of a ring, radii 1 and 2; the outer arc runs 0° to 90°.
   const std::string arcs =

@@ -71,6 +71,11 @@ TEST(NumpyFile, ReadsEveryTypeAndByteOrder) {
   const Columns times = read(npy("'<M8[ms]'", "(3,)", data<std::int64_t>({9000, 9500, 10000})));
   EXPECT_EQ(times.columns[0].header, "acc [s]");
   EXPECT_THAT(times.columns[0].values, ElementsAre(0.0, 0.5, 1.0)) << "since the first time";
+  // Nanoseconds since 1970 exceed 2⁵³: differences as double were multiples of 256 ns.
+  constexpr std::int64_t kNow = 1'764'547'200'000'000'001;
+  const Columns fine =
+      read(npy("'<M8[ns]'", "(3,)", data<std::int64_t>({kNow, kNow + 19'531, kNow + 39'062})));
+  EXPECT_THAT(fine.columns[0].values, ElementsAre(0.0, 19'531e-9, 39'062e-9));
 }
 
 TEST(NumpyFile, MatricesOfEitherOrderAndComplexArraysAreColumns) {

@@ -338,6 +338,12 @@ TEST(UniversalFile, ConvertsFunctionsToATable) {
   EXPECT_EQ(table.columns[1].header, "1:+Y / 1:-Z acceleration, real [m/s^2/N]");
   EXPECT_THAT(table.columns[1].values, ElementsAre(1.0, 3.0));
   EXPECT_EQ(table.columns[4].values[1], 2e-3);
+  // Regression: without powers, values in millimetres were labelled as SI.
+  UniversalFile without_powers = file;
+  for (UniversalFunction& f : without_powers.functions) f.numerator.powers = {0, 0, 0};
+  const Columns raw = universal_columns(without_powers, "test.uff");
+  EXPECT_EQ(raw.columns[1].header.find("m/s^2"), std::string::npos) << raw.columns[1].header;
+  EXPECT_EQ(raw.columns[1].values[0], 1000.0);
   file.functions[1].step = 2.0;
   EXPECT_THROW(static_cast<void>(universal_columns(file, "test.uff")), FileError);
 }

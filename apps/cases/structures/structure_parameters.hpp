@@ -42,8 +42,8 @@ class StructureParameters {
   /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
   /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// Parses a coefficient. The function `set` stores the value in the structure. `set` is called
-  /// immediately and at each change of the parameter.
+  /// Parses a coefficient and returns its nominal value. The function `set` stores a value in the
+  /// structure. `set` is called at each change of the parameter.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);
   /// Registers the function `set`, which is called whenever the parameter of the coefficient

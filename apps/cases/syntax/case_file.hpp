@@ -41,8 +41,8 @@ struct CaseFile {
 /// Reads a file and applies `overrides`, each "path.to.key=VALUE". Array elements are numbered
 /// from 0. VALUE is JSON or, if it is not valid JSON, a string. Throws Failure: 66 for an
 /// unreadable file; 65, with line and column, for text that is not JSON; 65 for keys and strings
-/// that are not UTF-8 or contain control characters; 64 for an override of a key that does not
-/// exist.
+/// that are not UTF-8 or contain control characters; 64 for an override that is not
+/// path.to.key=VALUE. An override may add a key.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 

@@ -35,8 +35,6 @@ constexpr int kMostCycles = 12;
 constexpr Index kBlocks = 3;
 /// Shapes with a smaller relative distance of 1/(λ + σ) are differentiated as a subspace.
 constexpr double kTwin = 1e-6;
-/// Time of a multiplication in sparse matrices, relative to that in dense matrices.
-constexpr double kIrregular = 1.0;
 /// Largest number of degrees of freedom for sparse matrices; the factor of a larger space frame may
 /// have more products than fit in memory.
 constexpr Index kMostSparse = 2000;
@@ -146,8 +144,8 @@ struct ParametricModes::Impl {
 
   /// Uses the sparse matrices if they take less time than a basis with this number of columns.
   bool take_sparse(Index columns, std::unique_ptr<const SparseModes>& candidate) {
-    if (!candidate || (options.solver == ParametricSolver::cheaper &&
-                       kIrregular * candidate->cost() > basis_cost(columns)))
+    if (!candidate ||
+        (options.solver == ParametricSolver::cheaper && candidate->cost() > basis_cost(columns)))
       return false;
     sparse = std::move(candidate);
     training.complete = true;
@@ -525,7 +523,8 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
   solve(theta, workspace, out);
   const Workspace::Impl& ws = *workspace.impl_;
   // After a full solution, the derivatives are those of the reduced basis.
-  if (!ws.in_basis) return false;
+  const bool shapes = s.motions.rows() > 0;
+  if (!ws.in_basis || (s.sparse && out.in_full && shapes)) return false;
   if (s.sparse)
     return s.sparse->differentiate(workspace.impl_->sparse, kTwin, slopes.eigenvalues,
                                    slopes.shapes);
@@ -537,12 +536,12 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
   for (Index i = 0; i < s.wanted; ++i) {
     const VectorXd y = ws.reduced.y.col(s.rigid + i);
     const double lambda = 1.0 / mu[i] - s.sigma;
-    const bool shapes = s.motions.rows() > 0;
     // Momenta M y of the mode and of modes with nearly the same eigenvalue (twins).
     Index first = i, last = i;
     while (first > 0 && mu[first - 1] - mu[i] < kTwin * mu[i]) --first;
     while (last + 1 < s.wanted && mu[i] - mu[last + 1] < kTwin * mu[i]) ++last;
     const Index twins = last - first + 1;
+    if (out.in_full && shapes && twins > 1) return false;  // rotated differently in `out`
     const MatrixXd momenta = ws.mass * ws.reduced.y.middleCols(s.rigid + first, twins);
     const VectorXd momentum = momenta.col(i - first);
     MatrixXd right = MatrixXd::Zero(m + twins, d);
@@ -569,7 +568,9 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
     bordered << ws.stiffness - lambda * ws.mass, momenta, momenta.transpose(),
         MatrixXd::Zero(twins, twins);
     const MatrixXd change = bordered.partialPivLu().solve(right).topRows(m);
-    const MatrixXd moved = s.motions * change;
+    // The sign of the mode in `out`, which may be that of the full solution.
+    const bool turned = out.in_full && (s.motions * y).dot(out.shapes.col(i)) < 0.0;
+    const MatrixXd moved = (turned ? -1.0 : 1.0) * s.motions * change;
     for (Index j = 0; j < d; ++j) slopes.shapes[static_cast<std::size_t>(j)].col(i) = moved.col(j);
   }
   return true;

@@ -221,6 +221,33 @@ TEST_P(ParametricSolvers, DerivativesEqualFiniteDifferences) {
   }
 }
 
+// Regression: the derivatives had the signs of the reduced basis, the shapes those of the full
+// solution.
+TEST(ParametricModes, DerivativesHaveTheSignsOfAFullSolution) {
+  const StructureFamily family = parametric::portal_materials();
+  const Discretisation d = family.at(family.nominal);
+  const ParametricModesOptions options{
+      .modes = 6, .motions = some_motions(d, 41), .solver = ParametricSolver::basis};
+  const Reduced reduced = reduce(family, kMaterials, options);
+  auto workspace = reduced.modes.make_workspace();
+  ParametricModes::Modes at, above;
+  ParametricModes::Slopes slopes;
+  for (const std::vector<double>& theta :
+       {std::vector{5e10, 3e11, 7800.0}, std::vector{8e10, 2e11, 7800.0}}) {
+    ASSERT_TRUE(reduced.modes.differentiate(theta, workspace, at, slopes));
+    ASSERT_TRUE(at.in_full);
+    auto up = theta;
+    up[0] *= 1.001;
+    reduced.modes.solve(up, workspace, above);
+    for (Index i = 0; i < 6; ++i) {
+      const VectorXd shape = at.shapes.col(i);
+      const double sign = above.shapes.col(i).dot(shape) < 0.0 ? -1.0 : 1.0;
+      const VectorXd change = sign * above.shapes.col(i) - shape;
+      EXPECT_GT(change.dot(slopes.shapes[0].col(i)), 0.0) << "mode " << i + 1;
+    }
+  }
+}
+
 // Twin modes have no unique shapes, but derivatives of eigenvalues and of their common plane.
 TEST_P(ParametricSolvers, DerivativesOfTwinModesAreFinite) {
   StructureFamily family{.at =
