@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "io/tables/delimited_text.hpp"
+#include "signals/spectra.hpp"
 #include "signals/units.hpp"
 
 namespace wheeltap::signals {
@@ -337,7 +338,16 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
   const double begin = t.front();
   for (double& x : t) x = (x - begin) * seconds;
   const double rate = rate_hz.value_or(static_cast<double>(t.size() - 1) / t.back());
-  const auto count = static_cast<std::size_t>(std::floor(t.back() * rate * (1.0 + 1e-12))) + 1;
+  const auto samples_at = [&](double hz) {
+    return static_cast<std::size_t>(std::floor(t.back() * hz * (1.0 + 1e-12))) + 1;
+  };
+  const std::size_t count = samples_at(rate);
+  // For a lower rate, interpolates at a multiple of this rate; the filter of decimate() then
+  // removes the frequencies that would alias.
+  const double mean_rate = static_cast<double>(t.size() - 1) / t.back();
+  const int factor = static_cast<int>(
+      std::min(std::ceil(mean_rate / rate * (1.0 - 1e-6)), static_cast<double>(t.size())));
+  const double fine = rate * factor;
   Record out = record;
   for (std::size_t c = 0; c < out.columns.size(); ++c) {
     Column& to = out.columns[c];
@@ -355,14 +365,17 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
       if (!std::isfinite(from[n]))
         fail(record, record.place(n, static_cast<int>(c)), "not a finite number");
     const std::vector<double> m = curvatures(t, from);
+    to.values.assign(samples_at(fine), 0.0);
     std::size_t i = 0;
-    for (std::size_t n = 0; n < count; ++n) {
-      const double x = std::min(static_cast<double>(n) / rate, t.back());
+    for (std::size_t n = 0; n < to.values.size(); ++n) {
+      const double x = std::min(static_cast<double>(n) / fine, t.back());
       while (i + 2 < t.size() && t[i + 1] < x) ++i;
       const double h = t[i + 1] - t[i], a = (t[i + 1] - x) / h, b = (x - t[i]) / h;
       to.values[n] = a * from[i] + b * from[i + 1] +
                      ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * h * h / 6.0;
     }
+    if (factor > 1) to.values = decimate(to.values, factor);
+    to.values.resize(count, to.values.back());
   }
   // Rows no longer correspond to lines of the file.
   out.first_line = 0;

@@ -83,7 +83,8 @@ struct Sampling {
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
 /// Resamples all columns that were read to a constant rate, with natural cubic splines through the
-/// samples. The new rate is `rate_hz`, or the mean rate if `rate_hz` is not set. Throws
+/// samples. The new rate is `rate_hz`, or the mean rate if `rate_hz` is not set. A filter removes
+/// the frequencies that a lower rate cannot represent (`decimate` in spectra.hpp). Throws
 /// io::FileError (corrupt), with the line number, if time does not increase, a time step exceeds
 /// five median time steps, or a value is not finite.
 [[nodiscard]] Record resampled(const Record& record, int time_column, std::optional<double> rate_hz,

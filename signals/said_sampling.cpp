@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "io/text/text_number.hpp"
+#include "io/text/words.hpp"
 #include "signals/record.hpp"
 #include "signals/units.hpp"
 
@@ -120,8 +121,26 @@ std::optional<PrintedRate> rate_after(std::string_view rest, char decimal) {
   if (!value && decimal == ',') value = io::parse_number(digits, ',');
   if (!value || !(*value > 0.0) || !std::isfinite(*value)) return std::nullopt;
   out.value = *value;
-  const std::vector<std::string> after = words(number.substr(end));
-  if (!after.empty() && unit_of_word(after.front())) out.unit = after.front();
+  std::string_view rest_of_line = number.substr(end);
+  // "1/256 s"
+  if (rest_of_line.starts_with('/') && rest_of_line.size() > 1 && io::is_digit(rest_of_line[1])) {
+    const std::size_t length =
+        std::min(rest_of_line.find_first_not_of("0123456789.", 1), rest_of_line.size()) - 1;
+    const std::optional<double> by = io::parse_number(rest_of_line.substr(1, length));
+    if (!by || !(*by > 0.0)) return std::nullopt;
+    out.value /= *by;
+    rest_of_line.remove_prefix(1 + length);
+  }
+  const std::vector<std::string> after = words(rest_of_line);
+  if (after.empty()) return out;
+  // "51 200 Hz", "51'200 Hz", "1 of 3", "50 g": the number is not the rate.
+  if (rest_of_line.starts_with('\'') || io::is_digit(after.front().front()) ||
+      after.front() == "of")
+    return std::nullopt;
+  if (unit_of_word(after.front()))
+    out.unit = after.front();
+  else if (find_unit(after.front()))
+    return std::nullopt;
   return out;
 }
 

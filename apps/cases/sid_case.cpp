@@ -18,7 +18,6 @@
 namespace wheeltap::apps {
 
 using namespace identification;
-
 namespace {
 
 using Role = SidChannel::Role;
@@ -528,6 +527,9 @@ SidCaseFile parse_several(const CaseFile& file, SidNeeds needs, std::vector<bool
       continue;
     }
     out.sid.parameters = part.sid.parameters;
+    if (double& bound = out.sid.integration.displacement_bound;
+        needs == SidNeeds::record && out.sid.discovery)
+      bound = std::max(bound, runaway_bound(part.sid));  // as the largest motion needs
     out.sid.further.push_back(std::move(part.sid));
   }
   out.sid.unite();

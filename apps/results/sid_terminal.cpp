@@ -111,10 +111,9 @@ std::vector<bool> worth_printing(const SidFindings& findings) {
 
 }  // namespace
 
-void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& findings,
+void print_sid(std::ostream& out, const SidCase& sid_case, const SidFindings& findings,
                bool colour) {
   const Page page{out, colour};
-  const SidCase& sid_case = parsed.sid;
   page.heading(sid_case.title);
   out << "Data: " << sid_case.origin << "; samples " << sid_case.begin << " to " << sid_case.end
       << " at " << number_or_dash(sid_case.sample_rate_hz, 6) << " Hz\n";

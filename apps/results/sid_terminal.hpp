@@ -8,8 +8,9 @@
 
 namespace wheeltap::apps {
 
-/// Prints the results of a finished run.
-void print_sid(std::ostream& out, const SidCaseFile& parsed,
+/// Prints the results of a finished run. `sid_case` is the case of the problem, with the residual
+/// models that were chosen.
+void print_sid(std::ostream& out, const identification::SidCase& sid_case,
                const identification::SidFindings& findings, bool colour);
 
 }  // namespace wheeltap::apps

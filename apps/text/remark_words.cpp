@@ -334,8 +334,10 @@ class Speaker {
            ", white residual): the record has little information about the response.";
   }
   std::string operator()(const remark::InitialStateInferred& r) const {
-    return "The window does not start at rest (the responses begin at " + percent(r.share) +
-           " of their root mean square). Wheeltap infers the initial state, with normal priors "
+    const std::string share =
+        r.share > 1.0 ? significant(r.share, 2) + " times" : percent(r.share) + " of";
+    return "The window does not start at rest (the responses begin at " + share +
+           " their root mean square). Wheeltap infers the initial state, with normal priors "
            "scaled by the responses. To fix the initial state at rest, write \"initial\": \"rest\" "
            "in the record.";
   }

@@ -137,6 +137,7 @@ class PacedRungeKutta {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
     V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining fraction of the sample interval
+    V events_left = V{} + static_cast<double>(kMostEvents);
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
         V fast{};  // 1 if a displacement exceeds the bound: shorter steps would not help
@@ -159,8 +160,8 @@ class PacedRungeKutta {
       if (task_.turning && stop_at_turn(x, k1, left, part, end))
         step(x, k1, now, next, left, part, end);
       V changes[kMaxFrictions];
-      const bool events = friction_.size() > 0 && steps < task_.substeps + kMostEvents &&
-                          stop_at_event(x, k1, now, next, left, part, end, changes);
+      const bool events = friction_.size() > 0 &&
+                          stop_at_event(x, k1, now, next, left, part, end, changes, events_left);
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         x.y[i] = end.y[i];
@@ -280,11 +281,14 @@ class PacedRungeKutta {
   /// an event. Writes to changes[link] the direction (±1) in which the link breaks away, 2 if the
   /// link comes to rest, or 0.
   [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
-                                       V left, V& part, State& end, V* changes) const {
+                                       V left, V& part, State& end, V* changes,
+                                       V& events_left) const {
     const V begin = 1.0 - left;
     V margin[kMaxFrictions], at_high = margins(end, begin + part, now, next, margin);
-    const V found = left > 0.0 ? (at_high < 0.0 ? V{} + 1.0 : V{}) : V{};
+    const V crossed = left > 0.0 ? (at_high < 0.0 ? V{} + 1.0 : V{}) : V{};
+    const V found = events_left > 0.0 ? crossed : V{};
     if (!any(found)) return false;
+    events_left -= found;
     V at_low = margins(x, begin, now, next, margin);
     V low{}, high = part, open = found, last{};
     for (int i = 0; i < kMostTrials && any(open); ++i) {

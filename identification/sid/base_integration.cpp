@@ -103,6 +103,9 @@ void integrate_base(SidCase& sid_case) {
     const double t = static_cast<double>(n) * fine;
     integrated.signal.samples.push_back(base.displacement[n] + p[0] + t * (p[1] + t * p[2]));
   }
+  // The acceleration is the second derivative of the displacement, without the sensor's offset.
+  for (SidChannel& channel : sid_case.channels)
+    if (channel.role == Role::base_acceleration) channel.signal.offset.value += 2.0 * p[2];
   sid_case.channels.push_back(std::move(integrated));
   sid_case.base_integrated = true;
   sid_case.beyond = 0;

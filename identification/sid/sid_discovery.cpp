@@ -382,13 +382,16 @@ inference::Prior default_prior(const LawInfo& law, std::size_t coefficient, Side
   return inference::Normal{0.0, scale};
 }
 
+double runaway_bound(const SidCase& sid_case) {
+  double reach = 0.0;
+  for (const LinkMotion& m : link_motions(sid_case)) reach += std::max(m.opening, m.closing);
+  return std::min(sid_case.integration.displacement_bound, kRunaway * reach);
+}
+
 void set_term_priors(SidCase& sid_case) {
   SidDiscovery& asked = *sid_case.discovery;
   asked.motions = link_motions(sid_case);
-  double reach = 0.0;
-  for (const LinkMotion& m : asked.motions) reach += std::max(m.opening, m.closing);
-  sid_case.integration.displacement_bound =
-      std::min(sid_case.integration.displacement_bound, kRunaway * reach);
+  sid_case.integration.displacement_bound = runaway_bound(sid_case);
   for (const SidTerm& term : asked.terms) {
     for (const std::size_t c : term.by_default) {
       const int p = term.law.coefficients[c].parameter;

@@ -67,5 +67,8 @@ void add_subsets(SidCase& sid_case);
 /// draws of the default priors, the motion of softening springs may diverge, and drag may require
 /// ever shorter time steps.
 void set_term_priors(SidCase& sid_case);
+/// The displacement [m] that no posterior draw reaches: 30 times the motion of the record, or the
+/// bound of the case if that is smaller. Beyond it, a predicted motion counts as unstable.
+[[nodiscard]] double runaway_bound(const SidCase& sid_case);
 
 }  // namespace wheeltap::identification

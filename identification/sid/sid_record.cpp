@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <tuple>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "identification/invalid_input.hpp"
 #include "signals/spectra.hpp"
@@ -399,7 +402,16 @@ void infer_initial(SidCase& sid_case, SidModel& model) {
         channel->signal.scale.is_constant() ? std::abs(channel->signal.scale.value) : 1.0;
     signals::detrend(samples, 0);
     const RecordedMotion motion = motion_of(samples, sid_case.sample_rate_hz);
-    const double sd = scale * motion.rms, omega = motion.omega;
+    const double omega = motion.omega;
+    // A free decay starts with more than its RMS.
+    constexpr double kPeriods = 3.0;
+    const double of_start = kPeriods * kTwoPi / omega * sid_case.sample_rate_hz;
+    const double length = std::min(of_start, static_cast<double>(samples.size()));
+    const std::span start(samples.data(),
+                          std::max<std::size_t>(1, static_cast<std::size_t>(length)));
+    const double squares = std::inner_product(start.begin(), start.end(), start.begin(), 0.0);
+    const double sd =
+        scale * std::max(motion.rms, std::sqrt(squares / static_cast<double>(start.size())));
     const int order = static_cast<int>(channel->quantity);
     const auto at = static_cast<std::size_t>(channel->mass - 1);
     y[at] = std::max(y[at], sd / std::pow(omega, order));

@@ -133,6 +133,25 @@ TEST_F(RecordFile, WindowsMustLieInTheRecordAndBeFinite) {
   EXPECT_THROW((void)window(r, 0, -1, 3), io::FileError);
 }
 
+// Regression: a tone above half of a lower rate appeared at a lower frequency.
+TEST_F(RecordFile, ResamplingToALowerRateDoesNotAlias) {
+  std::string text = "time [s],slow,fast\n";
+  for (int n = 0; n < 4000; ++n) {
+    const double t = (n + 0.2 * std::sin(0.7 * n)) / 1000.0;
+    char line[100];
+    std::snprintf(line, sizeof line, "%.9f,%.9f,%.9f\n", t, std::sin(2.0 * M_PI * 5.0 * t),
+                  std::sin(2.0 * M_PI * 90.0 * t));
+    text += line;
+  }
+  const Record r = resampled(read_record(write(text)), 0, 100.0);
+  ASSERT_NEAR(static_cast<double>(r.columns[1].values.size()), 400.0, 1.0);
+  for (std::size_t n = 50; n < 350; ++n) {
+    EXPECT_NEAR(r.columns[1].values[n], std::sin(2.0 * M_PI * 5.0 * 0.01 * static_cast<double>(n)),
+                1e-3);
+    EXPECT_NEAR(r.columns[2].values[n], 0.0, 1e-3);
+  }
+}
+
 // Regression: "time [ms]" was read as seconds.
 TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
   const auto rate = [&](const std::string& header, std::optional<double> stated = std::nullopt,

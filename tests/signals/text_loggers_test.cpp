@@ -340,6 +340,21 @@ TEST(TextLoggers, SampleRateInALineAbove) {
     expect_read(line + "\na [g];b [g]\n" + rows(2, {.separator = ";"}), {{"a", "g"}, {"b", "g"}});
 }
 
+// Regression: the text after a number was ignored, so that "51 200 Hz" was 51 Hz.
+TEST(TextLoggers, NumbersThatAreNotASampleRate) {
+  const auto said = [](const std::string& line) {
+    return sampling_from_header(parsed(line + "\na [g];b [g]\n" + rows(2, {.separator = ";"})));
+  };
+  for (const std::string line : {"# Sampling rate: 51 200 Hz", "# Sampling rate: 51'200 Hz",
+                                 "# Sensor range FS = 50 g", "# Sampling rate: 1 of 3 blocks"})
+    EXPECT_FALSE(said(line)) << line;
+  for (const std::string line : {"# Sampling interval: 1/256 s", "# dt 1/256"}) {
+    const std::optional<Sampling> found = said(line);
+    ASSERT_TRUE(found) << line;
+    EXPECT_DOUBLE_EQ(found->rate_hz, 256.0) << line;
+  }
+}
+
 TEST(TextLoggers, MiniSeedTimePairs) {
   const Record r = parsed(
       "TIMESERIES XX_STA__HHZ_D, 12 samples, 100 sps, "

@@ -129,9 +129,10 @@ std::optional<FinishedRun> SidCaseRun::sample(RunWatch& watch) {
       .summary = std::move(summary),
       .run = run,
       .posterior = {out, &out->run.posterior},
-      .print = [parsed = parsed_, out](
-                   std::ostream& to,
-                   bool colour) { print_sid(to, *parsed, out->findings, colour); },
+      .print =
+          [out](std::ostream& to, bool colour) {
+            print_sid(to, out->run.problem->sid_case, out->findings, colour);
+          },
       .draws =
           [parsed = parsed_, out, run, seed](const io::NetcdfWriter& to) {
             write_sid_posterior(to, run, *parsed, *out->run.problem, out->run.posterior,

@@ -1,6 +1,7 @@
 #include "identification/sid/findings/chain_modes.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "dynamics/linear_modes.hpp"
 
@@ -12,7 +13,7 @@ std::vector<ChainMode> chain_modes(const SidProblem& problem, const inference::P
   const dynamics::Chain& chain = problem.sid_case.models[static_cast<std::size_t>(model)].chain;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   std::vector<std::vector<std::vector<dynamics::LinearMode>>> modes;  // chain, draw, mode
-  std::size_t count = 0;
+  std::optional<std::size_t> count;                                   // of modes in each draw
   for (const inference::Chain& c : posterior.chains) {
     std::vector<std::size_t> at;
     for (std::size_t i = 0; i < c.model.size(); ++i) {
@@ -24,12 +25,12 @@ std::vector<ChainMode> chain_modes(const SidProblem& problem, const inference::P
       const std::size_t i = at[j * at.size() / n];
       modes.back().push_back(
           dynamics::linear_modes(chain, problem.theta(model, {&c.theta[i * width], width})));
-      if (modes.size() == 1 && j == 0) count = modes.back().back().size();
-      if (modes.back().back().size() != count) return {};
+      if (!count) count = modes.back().back().size();
+      if (modes.back().back().size() != *count) return {};
     }
   }
   std::vector<ChainMode> out;
-  for (std::size_t mode = 0; mode < count; ++mode) {
+  for (std::size_t mode = 0; mode < count.value_or(0); ++mode) {
     inference::ChainsOf frequency, damping;
     for (const auto& draws : modes) {
       frequency.emplace_back();
