@@ -35,11 +35,6 @@ MatrixXd prior_of_hypotheses(Index p) {
   return out;
 }
 
-double profile_at(ShiftProfile profile, double hours) {
-  if (profile == ShiftProfile::ramp) return std::min(1.0, hours / kRampHours);
-  return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
-}
-
 // Fraction of weight that each row moves between the two filters of the model without a change.
 constexpr double kFilterShare = 0.05;
 
@@ -60,6 +55,11 @@ void spread_onsets(const CandidateOnset& c, double mass,
 }
 
 }  // namespace
+
+double profile_at(ShiftProfile profile, double hours) {
+  if (profile == ShiftProfile::ramp) return std::min(1.0, hours / kRampHours);
+  return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
+}
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
     : scaling_(baseline.scaling),
@@ -124,12 +124,13 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
   // After a gap, the change may have occurred at any time in the gap.
   if (hours * rows_per_hour_ > kGap) begins_at(last_scored_hours_);
   // A candidate ramp stands for all rows since the last one.
-  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0) {
+  if (options_.ramp_share > 0.0 && rows_ - last_ramp_row_ >= options_.ramp_every) {
     const double rows = options_.ramp_every, since = row.hours - last_ramp_hours_;
     bear(ShiftProfile::ramp, std::log(options_.ramp_share), std::min(rows, since * rows_per_hour_),
          std::log(since / hours));
     if (hours * rows_per_hour_ > kGap) begins_at(last_ramp_hours_);
     last_ramp_hours_ = row.hours;
+    last_ramp_row_ = rows_;
   }
   if (options_.transients_per_hour > 0.0) {
     const double ends = options_.transient_ends_per_hour * hours;
@@ -388,18 +389,20 @@ ChangeEstimate ChangePoint::estimate() const {
     const double mass = std::exp(c.log_mass() - sum);
     spread_onsets(c, mass, onsets);
     if (c.profile == ShiftProfile::ramp) out.ramp_probability += mass;
+    const double share = profile_at(c.profile, last_hours_ - c.hours), share2 = share * share;
     for (const ShiftPosterior& d : c.draws)
       for (Index size = 0; size < kSizes; ++size) {
         const double all = mass * std::exp(d.log_weight(0, size));
         const auto cov = d.covariance.middleCols(size * p, p);
-        out.shift += all * d.mean.col(size);
-        squares.array() += all * (d.mean.col(size).array().square() + cov.diagonal().array());
+        out.shift += all * share * d.mean.col(size);
+        squares.array() +=
+            all * share2 * (d.mean.col(size).array().square() + cov.diagonal().array());
         out.shifted_probability.array() += all;
         for (Index j = 0; j < p; ++j) {
           const double alone = mass * std::exp(d.log_weight(1 + j, size));
           const double mean = d.single_mean(j, size);
-          out.shift[j] += alone * mean;
-          squares[j] += alone * (mean * mean + d.single_variance(j, size));
+          out.shift[j] += alone * share * mean;
+          squares[j] += alone * share2 * (mean * mean + d.single_variance(j, size));
           out.shifted_probability[j] += alone;
         }
       }
@@ -495,6 +498,7 @@ void ChangePoint::accept_change() {
   candidates_.clear();
   transients_.clear();
   last_ramp_hours_ = last_hours_;
+  last_ramp_row_ = rows_ - 1;
   log_quiet_ = 0.0;
   log_no_change_ = 0.0;
 }

@@ -103,11 +103,15 @@ struct PredictedRow {
 };
 
 /// Estimate of a change since a given time.
+/// Share of the shift δ that is reached a time `hours` after the onset.
+[[nodiscard]] double profile_at(ShiftProfile profile, double hours);
+
 struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
   double ramp_probability = 0.0;                                 ///< P(ramp | change)
-  Eigen::VectorXd shift, shift_sd;      ///< shifts of the p features' logarithms, given a change
+  /// Shifts of the p features' logarithms at the last row, given a change.
+  Eigen::VectorXd shift, shift_sd;
   Eigen::VectorXd shifted_probability;  ///< probability that each feature shifted, given a change
 };
 
@@ -175,7 +179,7 @@ class ChangePoint {
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0, last_scored_hours_ = 0.0;
   double log_no_change_ = 0.0;  ///< ln of the prior probability of no change so far
   double moved_ = 0.0;
-  std::int64_t rows_ = 0;
+  std::int64_t rows_ = 0, last_ramp_row_ = -1;
 
   template <class Parcel, class Of>
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
@@ -183,7 +187,7 @@ class ChangePoint {
     parcel(c.scaling_, c.last_covariates_, c.residual_sd_, c.options_, c.draws_, c.changed_,
            c.log_weight_, c.shared_, c.candidates_, c.transients_, c.bank_, c.log_quiet_,
            c.rows_per_hour_, c.last_hours_, c.last_ramp_hours_, c.last_scored_hours_,
-           c.log_no_change_, c.moved_, c.rows_);
+           c.log_no_change_, c.moved_, c.rows_, c.last_ramp_row_);
   }
 };
 

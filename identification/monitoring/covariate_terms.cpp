@@ -78,11 +78,12 @@ CovariateScaling::CovariateScaling(const MatrixXd& covariates) {
     for (Index b = 0; b < a; ++b) {
       double n = 0.0, sum = 0.0;
       for (Index i = 0; i < covariates.rows(); ++i) {
-        const double product = (covariates(i, used_[index(a)]) - mean_[a]) / sd_[a] *
-                               ((covariates(i, used_[index(b)]) - mean_[b]) / sd_[b]);
-        if (!std::isfinite(product)) continue;
+        const double of_a = (covariates(i, used_[index(a)]) - mean_[a]) / sd_[a];
+        const double of_b = (covariates(i, used_[index(b)]) - mean_[b]) / sd_[b];
+        // False for missing values and for codes such as -999, which `impute` also replaces.
+        if (!(std::abs(of_a) <= kLargestDeviation && std::abs(of_b) <= kLargestDeviation)) continue;
         n += 1.0;
-        sum += product;
+        sum += of_a * of_b;
       }
       if (n > 0.0) correlation_(a, b) = correlation_(b, a) = std::clamp(sum / n, -1.0, 1.0);
     }

@@ -102,6 +102,13 @@ Series series_of(const MatrixXd& frequencies, const MatrixXd& covariates) {
   return out;
 }
 
+void check_sizes(const std::vector<IdentifiedRecord>& records) {
+  for (const IdentifiedRecord& record : records)
+    if (record.size() > kMostModes)
+      throw std::invalid_argument("a record has more than " + std::to_string(kMostModes) +
+                                  " modes: identify a narrower band");
+}
+
 }  // namespace
 
 double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
@@ -176,10 +183,7 @@ MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
 ModeTracker::ModeTracker(const std::vector<IdentifiedRecord>& records, const MatrixXd& covariates,
                          const TrackingOptions& options)
     : options_(options) {
-  for (const IdentifiedRecord& record : records)
-    if (record.size() > kMostModes)
-      throw std::invalid_argument("a record has more than " + std::to_string(kMostModes) +
-                                  " modes: identify a narrower band");
+  check_sizes(records);
   find_modes(records);
   if (modes_.empty())
     throw std::invalid_argument("no mode is in " +
@@ -254,6 +258,7 @@ MatrixXd ModeTracker::weather_effect(const MatrixXd& covariates) const {
 
 std::vector<TrackedRecord> ModeTracker::track(const std::vector<IdentifiedRecord>& records,
                                               const MatrixXd& covariates) const {
+  check_sizes(records);
   const MatrixXd weather = weather_effect(covariates);
   const VectorXd detection = detections(modes_);
   std::vector<Level> levels;

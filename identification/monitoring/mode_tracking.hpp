@@ -78,7 +78,8 @@ class ModeTracker {
   [[nodiscard]] const std::vector<TrackedMode>& modes() const { return modes_; }
 
   /// Assigns the modes of all records, including the training records, to the tracked modes. The
-  /// records are processed in order of time.
+  /// records are processed in order of time. Throws std::invalid_argument for a record with more
+  /// than 60 modes.
   [[nodiscard]] std::vector<TrackedRecord> track(const std::vector<IdentifiedRecord>& records,
                                                  const Eigen::MatrixXd& covariates) const;
 

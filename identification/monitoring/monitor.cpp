@@ -126,7 +126,7 @@ RowFinding Monitor::add(const Row& row) {
   if (is_scored && settling_left_ > 0) {
     AlarmRecord& last = alarms_.back();
     last.change = change_.estimate();
-    last.likelihood = shift_likelihood(change_.candidates(), baseline_.residual_sd);
+    last.likelihood = shift_likelihood(change_.candidates(), row.hours, baseline_.residual_sd);
     // The mean over the rows since the alarm: slopes differ between frost and mild weather.
     const double rows = settling_rows_ + 2 - settling_left_;
     const Eigen::MatrixXd slopes =

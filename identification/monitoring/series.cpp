@@ -94,7 +94,7 @@ Row row_of(const Series& series, int i, const Eigen::VectorXd& usual) {
           .relative_variance = Eigen::VectorXd::Ones(series.feature_count()),
           .covariates = series.covariates.row(i).transpose()};
   for (Index j = 0; j < usual.size(); ++j)
-    if (std::isfinite(series.sds(i, j))) {
+    if (!std::isnan(series.sds(i, j))) {
       const double ratio = series.sds(i, j) / usual[j];
       out.relative_variance[j] = std::min(ratio * ratio, kLargestRelativeVariance);
     }

@@ -13,8 +13,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Component of one parameter draw of a candidate, in units of the prior sds.
-ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_mass,
+constexpr double kLeastShare = 0.01;  // reached by a ramp that begins at the last row
+
+/// Component of one parameter draw of a candidate, for `share` times the shift of the candidate.
+ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_mass, double share,
                                         const VectorXd& prior_sd) {
   constexpr Index kWidest = kSizes - 1;
   const Index p = prior_sd.size();
@@ -43,32 +45,34 @@ ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_m
     log_ratio += 0.5 * along[i] * along[i] / informed;
   }
   return {.log_weight = log_mass + draw.log_weight(0, kWidest) + log_ratio,
-          .mean = prior_sd.cwiseProduct(v * mean),
+          .mean = share * prior_sd.cwiseProduct(v * mean),
           .precision = inverse.asDiagonal() * (v * precision.asDiagonal() * v.transpose()) *
-                       inverse.asDiagonal()};
+                       inverse.asDiagonal() / (share * share)};
 }
 
 }  // namespace
 
-ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
+ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates, double hours,
                                  const VectorXd& residual_sd, const LikelihoodLimits& limits) {
   constexpr Index kWidest = kSizes - 1;
   const VectorXd prior_sd = kShiftSizes[kWidest] * residual_sd;
   struct Weighed {
     const ShiftPosterior* draw;
-    double log_mass, posterior;
+    double log_mass, share, posterior;
   };
   std::vector<Weighed> all;
-  for (const CandidateOnset& c : candidates)
+  for (const CandidateOnset& c : candidates) {
+    const double share = std::max(kLeastShare, profile_at(c.profile, hours - c.hours));
     for (const ShiftPosterior& draw : c.draws)
-      all.push_back({&draw, c.log_mass(), c.log_mass() + draw.log_weight(0, kWidest)});
+      all.push_back({&draw, c.log_mass(), share, c.log_mass() + draw.log_weight(0, kWidest)});
+  }
   std::ranges::stable_sort(all, std::ranges::greater(), &Weighed::posterior);
   ShiftLikelihood out;
   for (const Weighed& one : all) {
     if (static_cast<int>(out.components.size()) == limits.components ||
         one.posterior < all.front().posterior + std::log(limits.negligible))
       break;
-    out.components.push_back(component_of(*one.draw, one.log_mass, prior_sd));
+    out.components.push_back(component_of(*one.draw, one.log_mass, one.share, prior_sd));
   }
   return out;
 }

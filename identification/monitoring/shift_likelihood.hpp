@@ -43,9 +43,10 @@ struct LikelihoodLimits {
   double negligible = 1e-4;  ///< a component below this fraction of the largest weight is omitted
 };
 
-/// Computes the likelihood. `residual_sd` is Baseline::residual_sd (p entries).
+/// Computes the likelihood of the shift at the time `hours`: of a ramp, the share that is reached.
+/// `residual_sd` is Baseline::residual_sd (p entries).
 [[nodiscard]] ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
-                                               const Eigen::VectorXd& residual_sd,
+                                               double hours, const Eigen::VectorXd& residual_sd,
                                                const LikelihoodLimits& limits = {});
 
 /// ln L(δ), up to a constant that does not depend on δ.

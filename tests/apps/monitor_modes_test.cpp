@@ -142,6 +142,32 @@ TEST_F(MonitoredModes, TakeTimesAndCovariatesFromATable) {
   }
 }
 
+// Regression: each row of the table of times took the first file with the same name, in any folder.
+TEST_F(MonitoredModes, FilesOfOneNameInSeveralFoldersAreSeveralTests) {
+  std::string times = "file,time\n";
+  for (int i = 1; i <= kHealthy + kDamaged; ++i) {
+    const std::string name = "run" + std::to_string(1000 + i);
+    std::filesystem::create_directories(where / "runs" / name);
+    where.write("runs/" + name + "/modes.json", modes_of_test(i).dump());
+    times += name + "/modes.json," + std::to_string(i) + "\n";
+  }
+  where.write("times.csv", times);
+  json c = a_case();
+  c["series"]["modes"] = "runs";
+  c["series"]["times"] = "times.csv";
+  c["alarm"] = json::object();
+  const MonitorCaseFile found = parsed(c);
+  EXPECT_EQ(found.series.rows(), kHealthy + kDamaged);
+  EXPECT_NE(found.features(0, 0), found.features(1, 0));
+  where.write("times.csv", "file,time\nmodes.json,1\n");
+  try {
+    static_cast<void>(parsed(c));
+    FAIL();
+  } catch (const Failure& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("modes.json is the name of several files"));
+  }
+}
+
 TEST_F(MonitoredModes, NameWhatIsWrong) {
   const auto expect = [&](const json& c, const std::string& text) {
     const Outcome ran = run(c);

@@ -46,8 +46,9 @@ TEST(ShiftLikelihood, EqualsThatOfRowsWithoutTheShift) {
                                 .young = 0,
                                 .fixed_share = 0.0});
   for (const Row& row : rows) static_cast<void>(change.add(row));
-  const ShiftLikelihood found = shift_likelihood(change.candidates(), baseline.residual_sd,
-                                                 {.components = 100, .negligible = 0.0});
+  const ShiftLikelihood found =
+      shift_likelihood(change.candidates(), rows.back().hours, baseline.residual_sd,
+                       {.components = 100, .negligible = 0.0});
   ASSERT_EQ(found.components.size(), rows.size());
   // ln Σ over onsets of P(onset) p(rows | onset, shift).
   const auto direct = [&](const VectorXd& shift) {

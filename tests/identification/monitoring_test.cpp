@@ -324,6 +324,36 @@ TEST(ChangePoint, AcceptsThePresentShiftOfARamp) {
   EXPECT_NEAR(predicted.mean[0], shift(rows[300].hours), 3.0);
 }
 
+// Fault: the shift of a ramp was stated as if the ramp had ended.
+TEST(ChangePoint, StatesThePresentShiftOfARamp) {
+  ChangePoint change(small_baseline(),
+                     {.hazard_per_hour = 1e-4, .transients_per_hour = 0.0, .ramp_share = 0.999});
+  std::vector<Row> rows = small_rows(340, 1000, 0.0, 22);
+  for (Row& row : rows)
+    row.features[0] -= 20.0 * std::clamp((row.hours - 100.0) / kRampHours, 0.0, 1.0);
+  for (std::size_t t = 0; t < 300; ++t) change.add(rows[t]);
+  const ChangeEstimate found = change.estimate();
+  ASSERT_GT(found.ramp_probability, 0.5);
+  EXPECT_NEAR(found.shift[0], -20.0 * (rows[299].hours - 100.0) / kRampHours,
+              4.0 * found.shift_sd[0]);
+  EXPECT_GT(found.shift[0], -12.0) << "the final shift is -20";
+}
+
+// Fault: ramps began only in rows with a multiple of 24 as number, so that none began if the
+// features were missing at this hour of each day.
+TEST(ChangePoint, RampsBeginAlsoIfOneHourOfTheDayIsMissing) {
+  ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-4, .transients_per_hour = 0.0});
+  std::vector<Row> rows = small_rows(340, 1000, 0.0, 22);
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    rows[t].features[0] -= 20.0 * std::clamp((rows[t].hours - 100.0) / kRampHours, 0.0, 1.0);
+    if (t % 24 == 23) rows[t].features.setConstant(kNaN);
+    change.add(rows[t]);
+  }
+  EXPECT_TRUE(std::ranges::any_of(change.candidates(), [](const CandidateOnset& c) {
+    return c.profile == ShiftProfile::ramp;
+  }));
+}
+
 // Fault: merged onsets counted at one time, so that intervals were too narrow.
 TEST(ChangePoint, SpreadsMergedOnsetsOverTheirTimes) {
   ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-4,
@@ -469,6 +499,18 @@ TEST(CovariateScaling, ErrorCodesInTrainingDoNotWidenTheRange) {
   EXPECT_NEAR(with.sd(0), clean.sd(0), 0.01);
   LastCovariates last;
   EXPECT_TRUE(with(VectorXd::Constant(1, 40.0), last).imputed);
+}
+
+// Fault: one error code in both of two covariates made them perfectly correlated, so that a missing
+// one was computed from the other without an error.
+TEST(CovariateScaling, ErrorCodesDoNotCorrelateCovariates) {
+  base::Random random(12, 0, 0, base::Purpose::test);
+  MatrixXd covariates(800, 2);
+  for (double& x : covariates.reshaped()) x = 10.0 + random.normal();
+  covariates.row(400).setConstant(-999.0);
+  const CovariateScaling scaling(covariates);
+  const CovariateScaling::Scaled found = scaling(Eigen::Vector2d(11.0, kNaN));
+  EXPECT_GT(found.variance(1, 1), 0.9);
 }
 
 TEST(CovariateTerms, UnseenWeatherIsPiecewiseLinear) {

@@ -193,9 +193,9 @@ void read_features(const signals::Record& table, const SeriesColumns& columns,
       series.features(i, j) = std::log(x);
       if (sd < 0) continue;
       const double s = table.columns[index(sd)].values[index(i)];
-      if (std::isfinite(x) && !(s > 0.0) && !std::isnan(s))
+      if (std::isfinite(x) && !std::isnan(s) && !(s > 0.0 && std::isfinite(s)))
         refuse_row(table, static_cast<int>(i), sd,
-                   base::number(s) + ": a standard deviation must be positive");
+                   base::number(s) + ": a standard deviation must be positive and finite");
       series.sds(i, j) = s / x;
     }
   }
@@ -443,17 +443,17 @@ void order_by_times(const SeriesColumns& columns, const ModesReading& reading, M
   const std::vector<std::string> names = files_of_times(out, reading.following);
   std::vector<MonitoredTest> ordered;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto found = std::ranges::find_if(tests, [&](const MonitoredTest& test) {
-      const std::filesystem::path path = test.name;
-      return names[i] == test.name || names[i] == path.filename() ||
-             std::filesystem::path(names[i]).filename() == path.filename();
-    });
-    if (found == tests.end())
+    const std::vector<const MonitoredTest*> found = tests_named(names[i], tests);
+    if (found.size() != 1)
       refuse_row(table, static_cast<int>(i), -1,
-                 names[i] +
-                     " is not among the files of the series: correct the name, or remove "
-                     "the row");
-    ordered.push_back(*found);
+                 found.empty() ? names[i] +
+                                     " is not among the files of the series: correct the "
+                                     "name, or remove the row"
+                               : names[i] +
+                                     " is the name of several files of the series: write "
+                                     "the folder before the name, as in " +
+                                     found.front()->name);
+    ordered.push_back(*found.front());
   }
   for (const MonitoredTest& test : tests)
     if (!reading.following &&
@@ -515,6 +515,9 @@ void read_series_of_tests(const SeriesColumns& columns, const ModesReading& read
     if (!test.fault.empty())
       out.warnings.push_back("No modes were identified in " + io::printable(test.name) + ": " +
                              test.fault + ". The features of this test are missing.");
+    else if (test.modes.frequencies_hz.size() == 0)
+      out.warnings.push_back("No modes were identified in " + io::printable(test.name) +
+                             ". The features of this test are missing.");
   }
   read_learning(out);
   const auto records = identified_records(tests);
@@ -586,7 +589,7 @@ MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
   warn_of_error_codes(out);
   warn_of_dead_columns(out);
   read_alarm(out);
-  out.structure = parse_monitored_structure(out.file, columns.features.size());
+  out.structure = parse_monitored_structure(out.file, index(out.series.feature_count()));
   return out;
 }
 

@@ -138,7 +138,9 @@ class KeptModes {
     if (test.fault.empty()) {
       std::string digits = std::to_string(number + 1);
       digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
-      const std::string name = digits + "_" + path.stem().string() + ".json";
+      // The number and the name of the record may repeat when the list of records changes.
+      const std::string name =
+          digits + "_" + path.stem().string() + "_" + std::to_string(test.checksum) + ".json";
       fs::create_directories(folder_);
       io::AtomicFile written(folder_ / name);
       written.write(modes_json(test.modes).dump(1) + "\n");
@@ -235,6 +237,16 @@ std::vector<MonitoredTest> identify_tests(const CaseFile& file, const ModesReadi
   for (const std::size_t i : todo)
     if (i < out.size()) kept.keep(out[i], paths[i], i);
   kept.write();
+  return out;
+}
+
+std::vector<const MonitoredTest*> tests_named(const std::string& name,
+                                              const std::vector<MonitoredTest>& tests) {
+  std::vector<const MonitoredTest*> out;
+  for (const MonitoredTest& test : tests) {
+    if (test.name == name) return {&test};
+    if (fs::path(test.name).filename() == fs::path(name).filename()) out.push_back(&test);
+  }
   return out;
 }
 

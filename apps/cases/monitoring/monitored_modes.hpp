@@ -55,6 +55,11 @@ struct ModesReading {
 [[nodiscard]] std::vector<MonitoredTest> identify_tests(const CaseFile& file,
                                                         const ModesReading& reading);
 
+/// The tests that `name` may mean: the test with this name or, if there is none, all tests whose
+/// files have the same name without the folder.
+[[nodiscard]] std::vector<const MonitoredTest*> tests_named(
+    const std::string& name, const std::vector<MonitoredTest>& tests);
+
 /// Converts tests to the input of the tracker; a test whose identification failed has no modes.
 /// Throws Failure (65) if the sensors of a test differ from those of the first test.
 [[nodiscard]] std::vector<identification::monitoring::IdentifiedRecord> identified_records(
