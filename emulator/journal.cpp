@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string>
 
 #include "io/bytes.hpp"
@@ -47,13 +48,12 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (fs::is_directory(there)) throw io::FileError(Kind::unwritable, path_, "is a directory");
   if (fs::exists(there) && !fs::is_regular_file(there))
     throw io::FileError(Kind::unwritable, path_, "is not a regular file");
-  if (use == Use::alone) {
-    // Creates a missing file before locking it, so that only one of two simultaneous runs gets the
-    // lock.
-    if (!std::ofstream(path_, std::ios::binary | std::ios::app))
-      throw io::FileError(Kind::unwritable, path_, "cannot be written");
-    lock_ = held_alone(path_);
-  }
+  // Creates a missing file before locking it, so that only one of two simultaneous runs gets the
+  // lock. Processes that share the file hold the lock only while they open the file.
+  if (!std::ofstream(path_, std::ios::binary | std::ios::app))
+    throw io::FileError(Kind::unwritable, path_, "cannot be written");
+  std::optional<io::FileLock> while_opening = held_alone(path_);
+  if (use == Use::alone) lock_ = std::move(*while_opening);
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
@@ -75,8 +75,10 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
     entries_.push_back(std::move(entry));
   }
   error.clear();
-  if (!fresh) fs::resize_file(path_, end, error);
-  stream_.open(path_, std::ios::binary | (fresh ? std::ios::trunc : std::ios::app));
+  // Removes an incomplete record, but no record that another process may have appended since.
+  if (fresh) end = 0;
+  if (end < bytes.size()) fs::resize_file(path_, end, error);
+  stream_.open(path_, std::ios::binary | std::ios::app);
   if (fresh) stream_ << header << std::flush;
   if (error || !stream_) throw io::FileError(Kind::unwritable, path_, "cannot be written");
 }

@@ -124,8 +124,27 @@ Marginal marginal(const ChainsOf& chains, const ChainsOf& weights) {
     judged = inference::convergence(equal);
     mcse_sd = inference::mcse_sd(equal);
   }
+  const double sd = std::sqrt(squares / total);
+  if (!weight.empty()) {
+    // Weighted averages have the error of the mean of their influence values (delta method).
+    const auto error_of = [&](const auto& influence) {
+      ChainsOf values_of;
+      std::size_t i = 0;
+      for (const auto& chain : chains) {
+        values_of.emplace_back();
+        for (const double x : chain) values_of.back().push_back(w(i++) * influence(x) * n / total);
+      }
+      const ChainsOf equal = equal_lengths(values_of);
+      return equal.empty() ? kNaN : inference::convergence(equal).mcse_mean;
+    };
+    judged.mcse_mean = error_of([&](double x) { return x - mean; });
+    mcse_sd =
+        sd > 0.0
+            ? error_of([&](double x) { return (std::pow(x - mean, 2) - sd * sd) / (2.0 * sd); })
+            : kNaN;
+  }
   return {.mean = mean,
-          .sd = n > 1.0 ? std::sqrt(squares / total * n / (n - 1.0)) : 0.0,
+          .sd = n > 1.0 ? sd * std::sqrt(n / (n - 1.0)) : 0.0,
           .q2_5 = q[1],
           .q50 = q[3],
           .q97_5 = q[5],

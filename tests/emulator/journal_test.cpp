@@ -68,8 +68,16 @@ TEST_F(JournalTest, IsWrittenByOneProcessAtATime) {
   first.append(0, std::vector{1.0, 2.0});
   EXPECT_EQ(open_error("beam", 2), Kind::unwritable);
   EXPECT_THROW(Journal::remove(path), io::FileError);
-  const Journal beside(path, "beam", 2, Journal::Use::shared);
-  EXPECT_EQ(beside.entries().size(), 1u);
+}
+
+// Regression: the process that created the file overwrote the records of other processes.
+TEST_F(JournalTest, SharedJournalsKeepAllRecords) {
+  Journal first(path, "beam", 2, Journal::Use::shared);
+  Journal second(path, "beam", 2, Journal::Use::shared);
+  second.append(1, std::vector{1.0, 2.0});
+  first.append(0, std::vector{3.0, 4.0});
+  second.append(2, std::vector{5.0, 6.0});
+  EXPECT_EQ(Journal(path, "beam", 2, Journal::Use::shared).entries().size(), 3u);
 }
 
 TEST_F(JournalTest, RejectsOtherExperimentsAndOtherFiles) {

@@ -12,28 +12,40 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+constexpr double kNoShare = 1e-9;  // smaller shares are rounding errors
+
+}  // namespace
+
 StiffnessPieces::StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* mesh)
-    : of_strain_(d.strains.size(), -1) {
+    : of_strain_(d.strains.size()) {
   if (mesh) {
     const auto members = static_cast<int>(mesh->structure().members.size());
     for (int m = 0; m < members; ++m) {
       const int first = mesh->first_element(m), elements = mesh->first_element(m + 1) - first;
       const int pieces = std::min(kOfMember, elements);
       const double length = mesh->member_length(m);
-      std::vector<int> numbers(static_cast<std::size_t>(kOfMember), -1);
       for (int e = first; e < first + elements; ++e) {
         const fem::Mesh::Element& element = mesh->elements()[static_cast<std::size_t>(e)];
-        const double middle = 0.5 * (element.from + element.to) / length;
-        const auto piece =
-            static_cast<std::size_t>(std::clamp(static_cast<int>(middle * pieces), 0, pieces - 1));
-        if (numbers[piece] < 0) numbers[piece] = count_++;
-        for (const int strain : element.strains)
-          if (strain >= 0) of_strain_[static_cast<std::size_t>(strain)] = numbers[piece];
+        const double from = element.from / length * pieces, to = element.to / length * pieces;
+        for (int piece = 0; piece < pieces; ++piece) {
+          const double share =
+              (std::min(to, piece + 1.0) - std::max(from, static_cast<double>(piece))) /
+              (to - from);
+          if (share < kNoShare) continue;
+          for (const int strain : element.strains)
+            if (strain >= 0)
+              of_strain_[static_cast<std::size_t>(strain)].push_back(
+                  {count_ + piece, share > 1.0 - kNoShare ? 1.0 : share});
+        }
       }
+      count_ += pieces;
     }
   }
   for (std::size_t s = 0; s < of_strain_.size(); ++s)
-    if (of_strain_[s] < 0 && d.strains[s].factor > 0.0) of_strain_[s] = count_++;
+    if (of_strain_[s].empty() && d.strains[s].factor > 0.0)
+      of_strain_[s].push_back({count_++, 1.0});
 }
 
 namespace {
@@ -53,10 +65,11 @@ std::vector<MatrixXd> StiffnessPieces::energies(const fem::Discretisation& d,
   const Index modes = shapes.cols();
   std::vector<MatrixXd> out(static_cast<std::size_t>(count_), MatrixXd::Zero(modes, modes));
   for (std::size_t s = 0; s < of_strain_.size(); ++s) {
-    if (of_strain_[s] < 0) continue;
+    if (of_strain_[s].empty()) continue;
     const Eigen::RowVectorXd e = strained(d.strains[s].row, shapes);
-    out[static_cast<std::size_t>(of_strain_[s])].noalias() +=
-        d.strains[s].factor * e.transpose() * e;
+    for (const auto& [piece, share] : of_strain_[s])
+      out[static_cast<std::size_t>(piece)].noalias() +=
+          (share * d.strains[s].factor) * e.transpose() * e;
   }
   return out;
 }
@@ -68,15 +81,16 @@ std::vector<MatrixXd> StiffnessPieces::losses(const fem::Discretisation& intact,
   std::vector<MatrixXd> out(static_cast<std::size_t>(count_), MatrixXd::Zero(modes, modes));
   for (const auto& softening : change.softenings) {
     Eigen::RowVectorXd e = Eigen::RowVectorXd::Zero(modes);
-    int piece = -1;
+    const std::vector<Share>* shares = nullptr;  // all strains of a direction have the same parts
     for (const auto& [row, weight] : softening.direction) {
       const auto at = static_cast<std::size_t>(row);
       e += weight * strained(intact.strains[at].row, shapes);
-      piece = std::max(piece, of_strain_[at]);
+      if (!of_strain_[at].empty()) shares = &of_strain_[at];
     }
     const double q = softening.remaining;
-    if (piece >= 0)
-      out[static_cast<std::size_t>(piece)].noalias() += q * (1.0 - q) * e.transpose() * e;
+    if (shares == nullptr) continue;
+    for (const auto& [piece, share] : *shares)
+      out[static_cast<std::size_t>(piece)].noalias() += (share * q * (1.0 - q)) * e.transpose() * e;
   }
   return out;
 }

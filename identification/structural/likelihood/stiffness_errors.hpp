@@ -9,10 +9,11 @@
 
 namespace wheeltap::identification {
 
-/// Parts of a structure with independent stiffness errors: approximately the quarters of each
-/// member (its ends, where joints are flexible, and its middle), and each spring, tie and chain
-/// link. The parts do not depend on the mesh if members have at least four elements. The geometric
-/// stiffness of axial forces is not a part.
+/// Parts of a structure with independent stiffness errors: the quarters of each member (its ends,
+/// where joints are flexible, and its middle), and each spring, tie and chain link. An element that
+/// lies in two quarters belongs to both, in proportion to the lengths, so that parts are symmetric
+/// and do not depend on the mesh. Members with fewer than four elements have one part per element.
+/// The geometric stiffness of axial forces is not a part.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;
@@ -37,8 +38,13 @@ class StiffnessPieces {
                                                     const Eigen::MatrixXd& shapes) const;
 
  private:
+  /// A part and the share of a strain component that belongs to it.
+  struct Share {
+    int piece;
+    double of_strain;
+  };
   int count_ = 0;
-  std::vector<int> of_strain_;
+  std::vector<std::vector<Share>> of_strain_;
 };
 
 /// Marginalises the likelihood over stiffness errors. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,

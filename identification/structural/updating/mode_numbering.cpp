@@ -1,7 +1,6 @@
 #include "identification/structural/updating/mode_numbering.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/constants.hpp"
@@ -21,7 +20,9 @@ constexpr double kModelError = 0.02;
 constexpr int kFurther = 3;                  // number of modes that may have been missed
 constexpr std::size_t kMostOthers = 20'000;  // largest number of compared numberings
 constexpr int kNumberingDraws = 400, kFewNumberingDraws = 60;
-constexpr double kNumberingSeconds = 2.0;
+/// Degrees of freedom times draws, at most. Larger structures have fewer draws; structures with too
+/// many degrees of freedom for kFewNumberingDraws are not checked.
+constexpr double kNumberingWork = 1.2e6;
 
 /// All numberings, starting with the assumed one, and ln of their prior weights.
 struct Numberings {
@@ -100,10 +101,11 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
   if (measured.empty()) return {};
   std::vector<VectorXd> found;
   int modes = 0;
-  const auto began = std::chrono::steady_clock::now();
-  for (const auto& values : prior_draws(model, kNumberingDraws)) {
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-    if (took.count() > kNumberingSeconds) break;
+  // The work is a fixed number, not a time, so that the result does not depend on the computer.
+  const auto size = static_cast<double>(std::max<Index>(1, discretise(model.nominal).size()));
+  const int draws = std::min(kNumberingDraws, static_cast<int>(kNumberingWork / size));
+  if (draws < kFewNumberingDraws) return {};
+  for (const auto& values : prior_draws(model, draws)) {
     try {
       const fem::Discretisation d = discretise(model.at(values));
       const auto rigid = static_cast<int>(d.rigid_motions.cols());

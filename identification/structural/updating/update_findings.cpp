@@ -99,6 +99,7 @@ struct Examined {
   std::vector<std::vector<double>> x;
   std::vector<double> log_likelihood;
   std::vector<ModalLikelihood::Score> scores;
+  std::vector<MatrixXd> covariances;     // per draw, of the measured frequencies
   std::vector<VectorXd> frequencies_hz;  // per draw, all computed modes
   std::size_t best = 0;
 };
@@ -112,6 +113,8 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     const fem::ParametricModes::Modes& modes = scored.modes.back();
     seen.x.emplace_back(x.begin(), x.end());
     seen.scores.push_back(scored.score);
+    std::vector<int> with;
+    seen.covariances.push_back(problem.modes().covariance(scored, problem.noise(x), with));
     seen.log_likelihood.push_back(scored.score.log_likelihood);
     seen.frequencies_hz.emplace_back(modes.eigenvalues.cwiseSqrt() / (2.0 * M_PI));
     out.in_full +=
@@ -146,8 +149,7 @@ void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFin
     if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) measured.push_back(i);
   std::vector<std::vector<double>> l(out.modes.size());
   for (std::size_t s = 0; s < draws; ++s) {
-    const MatrixXd c = problem.covariance(problem.noise(seen.x[s]))(measured, measured);
-    const VectorXd one = single_mode_densities(data, measured, c, seen.scores[s]);
+    const VectorXd one = single_mode_densities(data, measured, seen.covariances[s], seen.scores[s]);
     for (std::size_t m = 0; m < l.size(); ++m) l[m].push_back(one[static_cast<Index>(m)]);
   }
   for (std::size_t m = 0; m < out.modes.size(); ++m) {

@@ -102,8 +102,9 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       }
       ++at;
     });
-    if (static_cast<double>(here.size()) < kWorthReporting * static_cast<double>(weights.size()))
-      continue;
+    double share = 0.0;
+    for (const std::size_t i : here) share += weights[i];
+    if (share < kWorthReporting * std::reduce(weights.begin(), weights.end())) continue;
     const std::vector<double> equal(here.size(), 1.0);
     for (int s = problem.common; s < space[m].dimension; ++s) {
       std::vector<double> severity;

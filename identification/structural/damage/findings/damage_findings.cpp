@@ -65,7 +65,8 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
   // background, because they are few.
   const bool points = !line.is_beam() && line.stretches().front().size == 0.0;
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
-  const double background = points ? 0.0 : 2.0 * total / static_cast<double>(overall.size());
+  const double background =
+      points ? 0.0 : std::min(2.0 * total / static_cast<double>(overall.size()), kTenth);
   std::vector<Place> list;
   for (std::size_t e = 0; e < overall.size();) {
     if (overall[e] <= background) {
