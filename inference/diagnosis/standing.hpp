@@ -54,7 +54,7 @@ struct Standings {
 
 /// Computes the probabilities. The evidence of a model comes from bridge sampling, which uses the
 /// draws. If bridge sampling has no result, the evidence comes from importance sampling or, if its
-/// error is not finite, from SMC. Every chain should visit a model if the model probability from
+/// error exceeds 1, from SMC. Every chain should visit a model if the model probability from
 /// the evidence, times the effective draws per chain, exceeds 10.
 [[nodiscard]] Standings standings(const Posterior& posterior, const ModelShares& shares,
                                   const Mixing& mixing);

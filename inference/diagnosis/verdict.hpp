@@ -87,8 +87,8 @@ struct Verdict {
 ///   400. R-hat is checked only with at least 100 draws per chain. For a model probability below
 ///   5 %, the effective sample size is checked only with at least 400 draws per chain.
 /// - With tempered draws, the replicas completed 10 round trips of the ladder.
-/// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
-///   applied.
+/// - The run was not stopped early and is not a quick run. For a quick run, the rules for mixtures,
+///   chains and parameters are not applied.
 ///
 /// All chains must have the same length. If Posterior::log_weight is not empty, a draw of model m
 /// has the weight exp(log_weight_m).

@@ -76,9 +76,12 @@ Walk walk(const RunContext& run, const RunState& state, int model, const Beyond&
     if (i % kApart != 0) continue;
     // The first half of the steps is burn-in, in which the chain may return to the mixture.
     const bool late = i >= kSteps / 2;
-    out.looks += late ? 1 : 0;
     if (at.model != model) continue;
-    const double log_posterior = target.log_prior(at) + at.log_likelihood;
+    out.looks += late ? 1 : 0;
+    // Within the model, as the densities of the draws.
+    const double log_posterior = target.log_prior(at) + at.log_likelihood -
+                                 run.space()[model].log_prior -
+                                 state.sampling_bias[static_cast<std::size_t>(model)];
     if (!is_beyond(log_posterior, at.z)) continue;
     out.beyond += late ? 1 : 0;
     out.z.insert(out.z.end(), at.z.begin(), at.z.end());
@@ -137,7 +140,7 @@ std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state) {
     state.posterior.calls.evidence += calls;
     run.monitor.evaluated(calls);
     if (run.monitor.stopped()) return met;
-    found.annealed_beyond *= static_cast<double>(stayed) / static_cast<double>(looks);
+    found.annealed_beyond *= static_cast<double>(stayed) / static_cast<double>(std::max(1L, looks));
     met[m] = Eigen::Map<const Eigen::MatrixXd>(z.data(), drawn.rows(),
                                                static_cast<Eigen::Index>(z.size()) / drawn.rows());
   }

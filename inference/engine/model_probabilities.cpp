@@ -136,6 +136,7 @@ void learn_probabilities(RunState& state, const PilotSamples& last_round) {
     visited = log_sum_exp(visited, by_visits[m]);
     before = log_sum_exp(before, log_probability[m]);
   }
+  if (!std::isfinite(visited)) return;  // too few visits to learn from
   if (!std::isfinite(before)) before = visited;
   for (std::size_t m = 0; m < models; ++m)
     log_probability[m] =

@@ -342,7 +342,7 @@ void settle(RunContext& run, RunState& state) {
   run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
     Sampler(run, state, c, chain, target).settle(iterations);
   });
-  state.posterior.warmup += kSettling;
+  state.posterior.warmup += iterations;
 }
 
 void draw(RunContext& run, RunState& state, int n) {

@@ -70,7 +70,9 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
     std::optional<BeforeScan> before_scan;  // for long scans
     bool left = false;                      // interrupted within a scan
     while (!at.ended && !run.monitor.stopped()) {
-      const int n = std::min(at.round_scans, scans - at.scans);
+      // Only the last round is used: it takes a remainder that is shorter than a further round.
+      const int left_scans = scans - at.scans;
+      const int n = left_scans < 3 * at.round_scans ? left_scans : at.round_scans;
       if (at.steps == 0)
         chain.by_rung.assign(static_cast<std::size_t>(tempered.rungs()), PilotSamples(run.space()));
       while (at.steps < n) {

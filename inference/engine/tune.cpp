@@ -180,7 +180,8 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
     if (round > 0)
       for (const ChainState& chain : state.chains) pooled.back().append(chain.by_rung.back());
   }
-  if (round > 0) learn_probabilities(state, pooled.back());
+  // A refit uses thinned draws, whose numbers are not those of visits.
+  if (round > 0 && state.at.refits == 0) learn_probabilities(state, pooled.back());
   // The draws use only the last fit; the earlier fits prepare it.
   const bool last = round >= static_cast<int>(kTuning.size());
   const bool dear = is_expensive(run.problem, run.options);
@@ -227,7 +228,8 @@ void tune(RunContext& run, RunState& state) {
       run.monitor.advance(static_cast<double>(chain.adaptation.steps));
   };
   if (at.round < kRounds) {
-    begin_monitor("tuning", tuning_steps(run.problem, run.options));
+    begin_monitor("tuning",
+                  options.warmup > 0 ? options.warmup / 2 : tuning_steps(run.problem, run.options));
     run.monitor.advance(static_cast<double>(at.tuned) * options.chains);
   }
   while (at.round < kRounds && !run.monitor.stopped()) {

@@ -184,7 +184,9 @@ class Replicate {
                     std::ranges::all_of(particles_, &Particle::possible);
     double log_ratio = 0.0;
     for (double beta = 0.0; beta < 1.0 && !ended();) {
-      if ((cut_ = spent())) break;
+      // The first stage makes `samples` particles of those that are possible.
+      cut_ = spent() && particles_.size() == static_cast<std::size_t>(options_.samples);
+      if (cut_) break;
       if (++stages_ > kMostStages) {
         stalled_at_ = beta;
         break;
@@ -525,7 +527,8 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
-  result.log_posterior.resize(static_cast<std::size_t>(result.z.rows()));
+  result.z.setZero();
+  result.log_posterior.assign(static_cast<std::size_t>(result.z.rows()), -kInfinity);
   base::parallel_for(
       options.replicates, options.threads,
       [&](int index) {

@@ -43,6 +43,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
   monitor.begin("searching", static_cast<double>(models));
   const std::shared_ptr<const Problem> shortened = problem.shortened(kStartSamples);
   const auto climb = [&](int m) {
+    if (problem.space[m].dimension == 0) return laplace(problem, m, {.check = false});
     const Tmcmc samples = tmcmc(*shortened, m,
                                 {.seed = options.seed,
                                  .replicates = kReplicates,

@@ -99,8 +99,8 @@ UnitQuantile beta_quantile(const Beta& f, double z) {
   return {t, rest};
 }
 
-/// N(0, 1) truncated to [a, b], reflected so that a + b <= 0. All tail probabilities are then lower
-/// tail probabilities, which are accurate.
+/// N(0, 1) truncated to [a, b], reflected so that a + b <= 0. Most of the mass is then below 0,
+/// where lower tail probabilities are accurate.
 struct StandardTruncated {
   double a, b;
   bool reflected;
@@ -132,10 +132,15 @@ struct StandardTruncated {
   // Quantile from ln p and ln q, the tail probabilities relative to the whole mass.
   [[nodiscard]] double quantile(double p, double q) const {
     if (!exponential()) {
-      const double log_a = log_normal_cdf(a), log_b = log_normal_cdf(b);
-      // Φ(u) = q Φ(a) + p Φ(b)
-      return normal_quantile_of_log(
-          std::fmin(0.0, log_sum_exp(std::log(q) + log_a, std::log(p) + log_b)));
+      // Φ(u) = q Φ(a) + p Φ(b), or Φ(-u) = q Φ(-a) + p Φ(-b) for the upper half
+      const double log_p = std::log(p), log_q = std::log(q);
+      const auto mixed = [&](double at_a, double at_b) {
+        return std::fmin(0.0,
+                         log_sum_exp(log_q + log_normal_cdf(at_a), log_p + log_normal_cdf(at_b)));
+      };
+      const double below = mixed(a, b);
+      if (below < -std::numbers::ln2) return normal_quantile_of_log(below);
+      return -normal_quantile_of_log(mixed(-a, -b));
     }
     const double m = rate(), w = b - a;
     if (m * w < 1e-8) return a + w * p;

@@ -132,6 +132,16 @@ TEST(Prior, TransformInvertsInBothTails) {
   }
 }
 
+// Regression: from z = -8.3 on, the value was the distant bound.
+TEST(Prior, DistantBoundsHaveNoEffectInTheTails) {
+  const Prior below = TruncatedNormal{1.0, 0.02, 0.0, kInfinity};
+  const Prior above = TruncatedNormal{1.0, 0.02, -kInfinity, 2.0};
+  for (const double z : {-12.0, -8.4, -8.25, -7.9, 0.0, 7.9, 8.25, 8.4, 12.0}) {
+    EXPECT_NEAR(below.from_standard_normal(z), 1.0 + 0.02 * z, 1e-9) << z;
+    EXPECT_NEAR(above.from_standard_normal(z), 1.0 + 0.02 * z, 1e-9) << z;
+  }
+}
+
 TEST(Prior, TailsResolveAtTheEndsOfTheSupport) {
   const Prior unit = Uniform{0.0, 1.0};
   EXPECT_NEAR(unit.to_standard_normal(unit.from_standard_normal(-30.0)), -30.0, 1e-12);

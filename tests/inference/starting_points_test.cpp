@@ -60,6 +60,27 @@ std::vector<Laplace> climb(const Problem& problem, Options options = {}) {
   return climb_with_record(problem, options, monitor);
 }
 
+// Regression: the evidence of a model without parameters was NaN.
+TEST(StartingPoints, AModelWithoutParametersNeedsNone) {
+  const auto problem = [](auto self, long samples) -> Problem {
+    return {.space = ModelSpace::of_models({{"a", Normal{0.0, kWidth}}},
+                                           {{"known", 1.0, {}}, {"level", 1.0, {"a"}}}),
+            .likelihood =
+                [=] {
+                  return std::make_unique<FunctionLikelihood>([=](int, std::span<const double> x) {
+                    const double a = x.empty() ? kTruth : x[0];
+                    return -0.5 * static_cast<double>(samples) * (a - kTruth) * (a - kTruth);
+                  });
+                },
+            .samples = samples,
+            .shortened =
+                [self](long first) { return std::make_shared<const Problem>(self(self, first)); }};
+  };
+  const auto modes = climb(problem(problem, kSamples));
+  EXPECT_DOUBLE_EQ(modes[0].evidence.log_evidence, 0.0);
+  EXPECT_TRUE(std::isfinite(modes[1].evidence.log_evidence));
+}
+
 TEST(StartingPoints, AreTheModesForTheWholeRecord) {
   const auto modes = climb(level(kSamples, false));
   ASSERT_EQ(modes.size(), 2U);
