@@ -313,6 +313,24 @@ TEST(StatesLikelihood, ReportsChangesTakenForExact) {
   }
 }
 
+// Regression: a change of temperature counted as damage that mixes modes.
+TEST(StatesLikelihood, ATemperatureMixesNoModes) {
+  const auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
+  std::vector<Modes> modes;
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(std::vector{1000.0, 1000.0, 1000.0}, {}, workspace, modes));
+  modes[1].eigenvalues *= 1.02;
+  const auto covariance = [&](double mixing) {
+    const ModalNoise noise{.discrepancy = 0.01, .mixing = mixing};
+    std::vector<int> with;
+    return likelihood.frequency_covariance(modes, noise, likelihood.score(modes, noise), with);
+  };
+  EXPECT_NE(covariance(0.7), covariance(0.0)) << "a damage that lowers all eigenvalues alike";
+  modes[1].stiffer = 1.02;
+  EXPECT_LT((covariance(0.7) - covariance(0.0)).norm(), 1e-12 * covariance(0.0).norm());
+}
+
 // States with other specified coefficients have independent model errors.
 TEST(StatesLikelihood, StatesWithOtherCoefficientsHaveIndependentErrors) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());

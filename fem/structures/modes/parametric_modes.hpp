@@ -87,6 +87,7 @@ class ParametricModes {
     /// structure; then, for each part, the matrix of derivatives of φ_jᵀ K φ_k with respect to the
     /// relative error of the stiffness that damage removes. The caller computes these matrices.
     std::vector<Eigen::MatrixXd> pieces = {};
+    double stiffer = 1.0;  ///< factor that the caller applied to the whole stiffness (temperature)
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per
   /// parameter).

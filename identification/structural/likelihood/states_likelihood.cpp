@@ -394,12 +394,15 @@ void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNo
       return !s.damaged && s.known == healthy.known;
     });
     if (&*first != &healthy) continue;
-    const VectorXd& before =
-        modes[static_cast<std::size_t>(first - states_->list.begin())].eigenvalues;
-    // √|Δλ| of a mode in a damaged state; otherwise 0.
+    const Modes& intact = modes[static_cast<std::size_t>(first - states_->list.begin())];
+    const VectorXd& before = intact.eigenvalues;
+    // √|Δλ| of a mode in a damaged state at the temperature of the intact one; otherwise 0. A
+    // factor on the whole stiffness does not mix modes.
     const auto change = [&](Index state, Index mode) {
-      const VectorXd& after = modes[static_cast<std::size_t>(state)].eigenvalues;
-      return mode < after.size() ? std::sqrt(std::abs(after[mode] - before[mode])) : 0.0;
+      const Modes& found = modes[static_cast<std::size_t>(state)];
+      if (mode >= found.eigenvalues.size()) return 0.0;
+      const double after = found.eigenvalues[mode] * (intact.stiffer / found.stiffer);
+      return std::sqrt(std::abs(after - before[mode]));
     };
     for (Index j = 0; j < before.size(); ++j)
       for (Index k = j + 1; k < before.size(); ++k) {

@@ -197,6 +197,7 @@ bool StatesLikelihood::solve(std::span<const double> x, const std::vector<Placed
       if (!(stiffer > 0.0)) return false;
       Modes& modes = out[static_cast<std::size_t>(s)];
       modes.eigenvalues = stiffer * found.eigenvalues;
+      modes.stiffer = stiffer;
       modes.pieces = found.pieces;
       for (MatrixXd& piece : modes.pieces) piece *= stiffer;
       const auto sensors = static_cast<Index>(state.data.sensors.size());
