@@ -28,9 +28,12 @@ T get(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-io::FileLock held_alone(const fs::path& path) {
-  constexpr std::chrono::seconds kToEnd{2};
-  if (std::optional<io::FileLock> lock = io::FileLock::take(path, kToEnd)) return std::move(*lock);
+constexpr std::chrono::seconds kToEnd{2};     // for a killed process to release its lock
+constexpr std::chrono::seconds kToShare{60};  // for other processes to read or append
+
+io::FileLock held_alone(const fs::path& path, std::chrono::seconds patience = kToEnd) {
+  if (std::optional<io::FileLock> lock = io::FileLock::take(path, patience))
+    return std::move(*lock);
   throw io::FileError(Kind::unwritable, path, "is in use by another run");
 }
 
@@ -52,7 +55,8 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   // lock. Processes that share the file hold the lock only while they open the file.
   if (!std::ofstream(path_, std::ios::binary | std::ios::app))
     throw io::FileError(Kind::unwritable, path_, "cannot be written");
-  std::optional<io::FileLock> while_opening = held_alone(path_);
+  std::optional<io::FileLock> while_opening =
+      held_alone(path_, use == Use::alone ? kToEnd : kToShare);
   if (use == Use::alone) lock_ = std::move(*while_opening);
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
@@ -75,7 +79,7 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
     entries_.push_back(std::move(entry));
   }
   error.clear();
-  // Removes an incomplete record, but no record that another process may have appended since.
+  // Removes an incomplete record. No process appends without the lock.
   if (fresh) end = 0;
   if (end < bytes.size()) fs::resize_file(path_, end, error);
   stream_.open(path_, std::ios::binary | std::ios::app);
@@ -104,6 +108,8 @@ void Journal::append(std::int64_t run, std::span<const double> response) {
   put(record, run);
   for (const double value : response) put(record, value);
   put(record, io::fnv1a(record));
+  std::optional<io::FileLock> while_appending;
+  if (!lock_) while_appending = held_alone(path_, kToShare);
   if (!stream_.write(record.data(), static_cast<std::streamsize>(record.size())).flush())
     throw io::FileError(Kind::unwritable, path_, "cannot be written (is the disk full?)");
 }

@@ -32,7 +32,7 @@ class Journal {
   /// Throws FileError of the kind foreign if the file is not a journal, and of the kind mismatch if
   /// the journal belongs to another experiment. The error kind is unwritable if the file cannot be
   /// written, or if another process has locked the journal. Processes that share a journal lock it
-  /// only while they open it.
+  /// only while they open it or append to it.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 

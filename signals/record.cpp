@@ -345,8 +345,9 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
   // For a lower rate, interpolates at a multiple of this rate; the filter of decimate() then
   // removes the frequencies that would alias.
   const double mean_rate = static_cast<double>(t.size() - 1) / t.back();
-  const int factor = static_cast<int>(
-      std::min(std::ceil(mean_rate / rate * (1.0 - 1e-6)), static_cast<double>(t.size())));
+  constexpr double kLower = 1.02;  // a nominal rate may differ slightly from the mean rate
+  const double ratio = std::min(mean_rate / rate, static_cast<double>(t.size()));
+  const int factor = ratio > kLower ? static_cast<int>(std::ceil(ratio * (1.0 - 1e-6))) : 1;
   const double fine = rate * factor;
   Record out = record;
   for (std::size_t c = 0; c < out.columns.size(); ++c) {

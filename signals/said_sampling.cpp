@@ -101,6 +101,17 @@ std::optional<Unit> unit_of_word(std::string_view word) {
   return unit;
 }
 
+/// True if the text continues a number with a separated group of three digits: " 200", "'200".
+bool continues_number(std::string_view text) {
+  for (const std::string_view separator : {" ", "'", "\u00A0", "\u202F"}) {
+    if (!text.starts_with(separator)) continue;
+    text.remove_prefix(separator.size());
+    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+    return digits == 3;
+  }
+  return false;
+}
+
 std::optional<PrintedRate> rate_after(std::string_view rest, char decimal) {
   const std::size_t at = rest.find_first_of("0123456789");
   constexpr std::size_t kFarthest = 30;
@@ -133,9 +144,8 @@ std::optional<PrintedRate> rate_after(std::string_view rest, char decimal) {
   }
   const std::vector<std::string> after = words(rest_of_line);
   if (after.empty()) return out;
-  // "51 200 Hz", "51'200 Hz", "1 of 3", "50 g": the number is not the rate.
-  if (rest_of_line.starts_with('\'') || io::is_digit(after.front().front()) ||
-      after.front() == "of")
+  // "51 200 Hz", "51'200 Hz", "12/03/2024", "1 of 3", "50 g": the number is not the rate.
+  if (continues_number(rest_of_line) || rest_of_line.starts_with('/') || after.front() == "of")
     return std::nullopt;
   if (unit_of_word(after.front()))
     out.unit = after.front();

@@ -33,14 +33,15 @@ void track(const CommonOptions& common, const TrackFlags& flags) {
   const auto n = static_cast<std::ptrdiff_t>(records.size());
   const auto learning = flags.learning > 0 ? std::min<std::ptrdiff_t>(flags.learning, n) : n;
   std::unique_ptr<ModeTracker> tracker;
+  std::vector<identification::monitoring::TrackedRecord> assigned;
   try {
     tracker = std::make_unique<ModeTracker>(
         std::vector(records.begin(), records.begin() + learning), Eigen::MatrixXd(learning, 0),
         identification::monitoring::TrackingOptions{.share = flags.share});
+    assigned = tracker->track(records, Eigen::MatrixXd(n, 0));
   } catch (const std::invalid_argument& error) {
     throw Failure(Exit::bad_input, list + ": " + error.what());
   }
-  const auto assigned = tracker->track(records, Eigen::MatrixXd(n, 0));
   const TrackedModesOf tracked{tests, assigned, tracker->modes()};
   io::AtomicFile file(common.output);
   file.write(tracked_netcdf(tracked, common.output));

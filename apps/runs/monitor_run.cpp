@@ -28,7 +28,7 @@ using identification::monitoring::Monitor;
 using identification::monitoring::RowFinding;
 namespace fs = std::filesystem;
 
-constexpr const char* kStateVersion = "4";
+constexpr const char* kStateVersion = "5";
 constexpr const char* kStateFormat = "a monitoring state of wheeltap";
 
 /// The stored state from which the next call continues.

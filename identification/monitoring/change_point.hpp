@@ -102,10 +102,10 @@ struct PredictedRow {
   bool is_scored = true;
 };
 
-/// Estimate of a change since a given time.
 /// Share of the shift δ that is reached a time `hours` after the onset.
 [[nodiscard]] double profile_at(ShiftProfile profile, double hours);
 
+/// Estimate of a change since a given time.
 struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %

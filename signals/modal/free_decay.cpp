@@ -33,7 +33,7 @@ constexpr double kHankelRows = 1.2;
 constexpr double kMovedPole = 0.05;  // distance of a refined pole from that of the diagram
 
 /// Number of decimated samples at each end of a record that the filter of decimate() distorts, and
-/// largest share of a decay that these samples may take.
+/// largest share of a decay's length, and of its energy at the start, that these samples may take.
 constexpr Index kFilterReach = 32;
 constexpr double kLostShare = 0.2;
 
@@ -41,6 +41,22 @@ Index shortest(const std::vector<MatrixXd>& decays) {
   Index length = decays.front().cols();
   for (const MatrixXd& d : decays) length = std::min(length, d.cols());
   return length;
+}
+
+/// The largest factor of decimation for which the distorted samples contain little of the decays.
+double largest_decimation(const std::vector<MatrixXd>& decays) {
+  const Index length = shortest(decays);
+  VectorXd energy = VectorXd::Zero(length);  // summed over channels and decays, per sample
+  for (const MatrixXd& d : decays) {
+    const MatrixXd y = d.leftCols(length);
+    energy += (y.colwise() - y.rowwise().mean()).colwise().squaredNorm().transpose();
+  }
+  const double most = kLostShare * energy.sum();
+  Index first = 0;  // samples with this energy
+  for (double sum = 0.0; first < length && sum + energy[first] <= most; ++first)
+    sum += energy[first];
+  const double of_length = 0.5 * kLostShare * static_cast<double>(length);
+  return std::min(of_length, static_cast<double>(first)) / static_cast<double>(kFilterReach);
 }
 
 /// Decays of equal length, decimated to the band, without their final means. A decay starts
@@ -351,9 +367,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
     refuse("lowest frequency", out.lowest_hz, "must be at least 0 and below the highest");
   out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
   const double by_band = kKeptBand * options.sample_rate_hz / out.highest_hz;
-  const double by_length =
-      kLostShare * static_cast<double>(shortest(decays)) / (2.0 * kFilterReach);
-  out.decimated = static_cast<int>(std::max(1.0, std::min(by_band, by_length)));
+  out.decimated = static_cast<int>(std::max(1.0, std::min(by_band, largest_decimation(decays))));
   out.sample_rate_hz = options.sample_rate_hz / out.decimated;
   const std::vector<MatrixXd> y = prepared(decays, out.decimated);
   const auto events = static_cast<Index>(y.size());

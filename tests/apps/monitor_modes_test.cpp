@@ -164,7 +164,7 @@ TEST_F(MonitoredModes, FilesOfOneNameInSeveralFoldersAreSeveralTests) {
     static_cast<void>(parsed(c));
     FAIL();
   } catch (const Failure& failure) {
-    EXPECT_THAT(failure.what(), HasSubstr("modes.json is the name of several files"));
+    EXPECT_THAT(failure.what(), HasSubstr("modes.json names several files"));
   }
 }
 

@@ -152,6 +152,21 @@ TEST_F(RecordFile, ResamplingToALowerRateDoesNotAlias) {
   }
 }
 
+// A clock that is slightly fast is no lower rate: nothing is filtered.
+TEST_F(RecordFile, ResamplingToTheNominalRateKeepsAllFrequencies) {
+  std::string text = "time [s],x\n";
+  for (int n = 0; n < 400; ++n) {
+    char line[100];
+    std::snprintf(line, sizeof line, "%.9f,%.9f\n", n / 100.005, std::sin(0.9 * M_PI * n));
+    text += line;
+  }
+  const Record r = resampled(read_record(write(text)), 0, 100.0);
+  double largest = 0.0;
+  for (std::size_t n = 100; n < 300; ++n)
+    largest = std::max(largest, std::abs(r.columns[1].values[n]));
+  EXPECT_GT(largest, 0.9);
+}
+
 // Regression: "time [ms]" was read as seconds.
 TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
   const auto rate = [&](const std::string& header, std::optional<double> stated = std::nullopt,

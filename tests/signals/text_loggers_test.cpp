@@ -346,9 +346,11 @@ TEST(TextLoggers, NumbersThatAreNotASampleRate) {
     return sampling_from_header(parsed(line + "\na [g];b [g]\n" + rows(2, {.separator = ";"})));
   };
   for (const std::string line : {"# Sampling rate: 51 200 Hz", "# Sampling rate: 51'200 Hz",
+                                 "# Sampling rate: 51\u00A0200 Hz", "# Sampling rate 12/03/2024",
                                  "# Sensor range FS = 50 g", "# Sampling rate: 1 of 3 blocks"})
     EXPECT_FALSE(said(line)) << line;
-  for (const std::string line : {"# Sampling interval: 1/256 s", "# dt 1/256"}) {
+  for (const std::string line : {"# Sampling interval: 1/256 s", "# dt 1/256",
+                                 "# Sample rate: 256 (24 bit)", "# fs = 256, 16 bit"}) {
     const std::optional<Sampling> found = said(line);
     ASSERT_TRUE(found) << line;
     EXPECT_DOUBLE_EQ(found->rate_hz, 256.0) << line;

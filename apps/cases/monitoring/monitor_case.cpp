@@ -450,8 +450,8 @@ void order_by_times(const SeriesColumns& columns, const ModesReading& reading, M
                                      " is not among the files of the series: correct the "
                                      "name, or remove the row"
                                : names[i] +
-                                     " is the name of several files of the series: write "
-                                     "the folder before the name, as in " +
+                                     " names several files of the series: folder and file together "
+                                     "must be unique, as in " +
                                      found.front()->name);
     ordered.push_back(*found.front());
   }

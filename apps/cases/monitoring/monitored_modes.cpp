@@ -242,12 +242,12 @@ std::vector<MonitoredTest> identify_tests(const CaseFile& file, const ModesReadi
 
 std::vector<const MonitoredTest*> tests_named(const std::string& name,
                                               const std::vector<MonitoredTest>& tests) {
-  std::vector<const MonitoredTest*> out;
+  std::vector<const MonitoredTest*> exact, similar;
   for (const MonitoredTest& test : tests) {
-    if (test.name == name) return {&test};
-    if (fs::path(test.name).filename() == fs::path(name).filename()) out.push_back(&test);
+    if (test.name == name) exact.push_back(&test);
+    if (fs::path(test.name).filename() == fs::path(name).filename()) similar.push_back(&test);
   }
-  return out;
+  return exact.empty() ? similar : exact;
 }
 
 std::vector<IdentifiedRecord> identified_records(const std::vector<MonitoredTest>& tests) {

@@ -55,8 +55,8 @@ struct ModesReading {
 [[nodiscard]] std::vector<MonitoredTest> identify_tests(const CaseFile& file,
                                                         const ModesReading& reading);
 
-/// The tests that `name` may mean: the test with this name or, if there is none, all tests whose
-/// files have the same name without the folder.
+/// The tests that `name` may mean: those with this name (folder and file) or, if there are none,
+/// those whose files have the same name.
 [[nodiscard]] std::vector<const MonitoredTest*> tests_named(
     const std::string& name, const std::vector<MonitoredTest>& tests);
 

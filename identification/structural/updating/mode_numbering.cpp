@@ -22,7 +22,7 @@ constexpr std::size_t kMostOthers = 20'000;  // largest number of compared numbe
 constexpr int kNumberingDraws = 400, kFewNumberingDraws = 60;
 /// Degrees of freedom times draws, at most. Larger structures have fewer draws; structures with too
 /// many degrees of freedom for kFewNumberingDraws are not checked.
-constexpr double kNumberingWork = 1.2e6;
+constexpr double kNumberingWork = 3e5;
 
 /// All numberings, starting with the assumed one, and ln of their prior weights.
 struct Numberings {

@@ -99,6 +99,7 @@ struct Examined {
   std::vector<std::vector<double>> x;
   std::vector<double> log_likelihood;
   std::vector<ModalLikelihood::Score> scores;
+  std::vector<VectorXd> densities;       // per draw, ln p of each mode given the others
   std::vector<MatrixXd> covariances;     // per draw, of the measured frequencies
   std::vector<VectorXd> frequencies_hz;  // per draw, all computed modes
   std::size_t best = 0;
@@ -114,7 +115,13 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     seen.x.emplace_back(x.begin(), x.end());
     seen.scores.push_back(scored.score);
     std::vector<int> with;
-    seen.covariances.push_back(problem.modes().covariance(scored, problem.noise(x), with));
+    const ModalNoise noise = problem.noise(x);
+    const ModeObservation& observed = problem.modes();
+    seen.covariances.push_back(observed.covariance(scored, noise, with));
+    seen.densities.push_back(observed.with_errors(noise)
+                                 ? observed.single_mode_densities(scored, noise)
+                                 : single_mode_densities(problem.update_case.data, with,
+                                                         seen.covariances.back(), scored.score));
     seen.log_likelihood.push_back(scored.score.log_likelihood);
     seen.frequencies_hz.emplace_back(modes.eigenvalues.cwiseSqrt() / (2.0 * M_PI));
     out.in_full +=
@@ -143,14 +150,10 @@ Marginal marginal_of(const UpdateFindings& out, const Value& value) {
 
 void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
   const auto draws = static_cast<std::size_t>(out.examined);
-  const ModalData& data = problem.update_case.data;
-  std::vector<int> measured;
-  for (int i = 0; i < data.modes(); ++i)
-    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) measured.push_back(i);
   std::vector<std::vector<double>> l(out.modes.size());
   for (std::size_t s = 0; s < draws; ++s) {
-    const VectorXd one = single_mode_densities(data, measured, seen.covariances[s], seen.scores[s]);
-    for (std::size_t m = 0; m < l.size(); ++m) l[m].push_back(one[static_cast<Index>(m)]);
+    for (std::size_t m = 0; m < l.size(); ++m)
+      l[m].push_back(seen.densities[s][static_cast<Index>(m)]);
   }
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     const WithoutMode left = without_mode(l[m]);
