@@ -438,6 +438,33 @@ TEST(Friction, CombinesWithEveryOtherLaw) {
   }
 }
 
+// Regression: a hysteresis that needs hundreds of steps per sample used up the friction events.
+TEST(Friction, KeepsItsEventsBesideALawOfManySteps) {
+  constexpr int kCoarse = 60, kFiner = 20;
+  const auto run = [](int finer) {
+    std::vector<double> force;
+    for (int i = 0; i <= (kCoarse - 1) * finer; ++i) {
+      const int n = i / finer;
+      const auto at = [](int k) { return 40.0 * std::sin(2.0 * M_PI * 1.3 * k / 10.0); };
+      force.push_back(at(n) + (at(n + 1) - at(n)) * (i % finer) / finer);
+    }
+    const Chain chain{.masses = {1.0},
+                      .links = {{.a = 0,
+                                 .b = 1,
+                                 .stiffness = 20.0,
+                                 .damping = 0.5,
+                                 .laws = {dry(8.0), make_law<laws::BoucWen>({5000.0, 1e-3})}}}};
+    const Simulator simulator(
+        chain, {.sample_rate_hz = 10.0 * finer, .forces = {{.mass = 1, .signal = {force}}}},
+        displacements(1), {}, {});
+    const Response response = simulator.simulate({});
+    EXPECT_FALSE(response.failed);
+    return response.values;
+  };
+  const Eigen::MatrixXd coarse = run(1), fine = run(kFiner);
+  for (int n = 0; n < kCoarse; ++n) EXPECT_NEAR(coarse(n, 0), fine(n * kFiner, 0), 1e-5) << n;
+}
+
 // A creep speed that is a parameter gives regularised friction, even if its value is 0.
 TEST(Friction, IsExactOnlyForAConstantCreepSpeedOfZero) {
   EXPECT_TRUE(is_dry(make_law<laws::Coulomb>({1.0})));
